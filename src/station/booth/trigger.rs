@@ -38,46 +38,39 @@ pub struct Attended {
 /// The ports that a configuration names.
 pub fn of_config(config: &TriggerConfig) -> Vec<Attended> {
     let silent = Manner { settle: config.settle, sampled: false, say: BTreeMap::new() };
-    let mut ports = Vec::new();
-    if let Some(serial) = &config.serial {
-        let shows = Shows::Serial { tokens: serial.tokens.clone() };
-        ports.push(Attended {
-            name: "serial",
-            decoder: InputDecoder::for_button(shows, config.lock_out),
-            manner: Manner {
-                sampled: serial.line.contact.is_some(),
-                say: config.say.clone(),
-                ..silent.clone()
-            },
-            opener: Box::new(SerialOpener(serial.line.clone())),
-        });
-    }
-    if let Some(usb) = &config.usb {
-        let shows = Shows::Report(usb.pattern.clone());
-        // A box at the serial port has the light: its bytes are no reports.
-        let say = if config.serial.is_none() { config.say.clone() } else { BTreeMap::new() };
-        ports.push(Attended {
-            name: "usb",
-            decoder: InputDecoder::for_button(shows, config.lock_out),
-            manner: Manner { say, ..silent.clone() },
-            opener: Box::new(UsbOpener(usb.clone())),
-        });
-    }
-    if let Some(keys) = &config.keys {
-        ports.push(Attended {
-            name: "keys",
-            decoder: InputDecoder::for_button(Shows::Key(keys.key), config.lock_out),
-            manner: silent.clone(),
-            opener: Box::new(KeysOpener(keys.device.clone())),
-        });
-    }
-    if let Some(reader) = &config.reader {
-        let opener: Box<dyn PortOpener> = match &reader.at {
+    let button = |shows| InputDecoder::for_button(shows, config.lock_out);
+    let serial = config.serial.as_ref().map(|serial| Attended {
+        name: "serial",
+        opener: Box::new(SerialOpener(serial.line.clone())),
+        decoder: button(Shows::Serial { tokens: serial.tokens.clone() }),
+        manner: Manner {
+            sampled: serial.line.contact.is_some(),
+            say: config.say.clone(),
+            ..silent.clone()
+        },
+    });
+    // A box at the serial port has the light: its bytes are no reports.
+    let say = if serial.is_none() { config.say.clone() } else { BTreeMap::new() };
+    let usb = config.usb.as_ref().map(|usb| Attended {
+        name: "usb",
+        opener: Box::new(UsbOpener(usb.clone())),
+        decoder: button(Shows::Report(usb.pattern.clone())),
+        manner: Manner { say, ..silent.clone() },
+    });
+    let keys = config.keys.as_ref().map(|keys| Attended {
+        name: "keys",
+        opener: Box::new(KeysOpener(keys.device.clone())),
+        decoder: button(Shows::Key(keys.key)),
+        manner: silent.clone(),
+    });
+    let reader = config.reader.as_ref().map(|reader| Attended {
+        name: "reader",
+        opener: match &reader.at {
             ReaderPlace::Serial(line) => Box::new(SerialOpener(line.clone())),
             ReaderPlace::Keys(place) => Box::new(KeysOpener(place.clone())),
-        };
-        let decoder = InputDecoder::for_ids(reader.codes.clone());
-        ports.push(Attended { name: "reader", opener, decoder, manner: silent });
-    }
-    ports
+        },
+        decoder: InputDecoder::for_ids(reader.codes.clone()),
+        manner: silent.clone(),
+    });
+    [serial, usb, keys, reader].into_iter().flatten().collect()
 }
