@@ -27,13 +27,14 @@ use tokio::time::sleep;
 
 use self::export_locks::ExportLocks;
 use self::ingest::{Admitted, Beginnings, TakeFault, Taken};
+use self::scan_dir::Found;
 use self::stable_read::Export;
 use self::watch::Watch;
 use super::booth::Booth;
 use super::core::Core;
 use super::runtime::{ASLEEP, Heartbeat, Stop, random_unit};
 use super::share::stall::{DEADLINE, StepCounter, patiently};
-use notes::{BelievedLook, Notes};
+use notes::Notes;
 
 /// The shortest time from one look to the next, however many hints there are.
 const LOOK_PAUSE_MIN: Duration = Duration::from_millis(100);
@@ -192,12 +193,15 @@ impl Intake {
             patiently(DEADLINE, stop, look, || self.beat.beat(), || self.notes.stalled()).await?;
         let Some((watch, armed, found, when)) = looked else { return Ok(None) };
         self.notes.watched(armed);
-        let BelievedLook { look, unrelated, folders } = self.notes.found(found, &mut self.guard);
-        if let Look::Seen(scans) = &look {
-            self.forget_gone(scans.keys().cloned().collect()).await?;
-            self.settling.found_in(folders);
-            self.settling.pass_over(unrelated, when);
-        }
+        let look = match self.notes.found(found, &mut self.guard) {
+            Some(Found { scans, unrelated, folders, .. }) => {
+                self.forget_gone(scans.keys().cloned().collect()).await?;
+                self.settling.found_in(folders);
+                self.settling.pass_over(unrelated, when);
+                Look::Seen(scans)
+            }
+            None => Look::OutOfReach,
+        };
         let due = self.settling.observe(look, when);
         self.mark(stop).await?;
         let gone = self.settling.gone(!due.is_empty());

@@ -4,16 +4,17 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
+use gaiter_flow::Settling;
 use gaiter_flow::cause::Cause;
 use gaiter_flow::export::mount::MountGuard;
 use gaiter_flow::export::passed_over::{Ignored, PassedOver};
 use gaiter_flow::facts::{SourceFacts, SourceState, WaitingFile};
-use gaiter_flow::settle::{Folders, Gone, Waiting};
-use gaiter_flow::{Look, Settling, Stamp};
+use gaiter_flow::settle::{Gone, Waiting};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
@@ -23,16 +24,6 @@ use crate::station::runtime::chain;
 
 /// How many files that are gone are known by name.
 const GONE_MOST: usize = 1000;
-
-/// What a look found, as far as it is believed.
-pub(super) struct BelievedLook {
-    /// The scans, or that the folder is out of reach.
-    pub look: Look,
-    /// The files without the name of a scan.
-    pub unrelated: BTreeMap<PathBuf, Stamp>,
-    /// The folders that were looked at.
-    pub folders: Folders,
-}
 
 /// What has been logged about one export folder, and where its facts are on the board.
 pub(super) struct Notes {
@@ -68,41 +59,32 @@ impl Notes {
         warn!(event = "intake-failed", export_dir = self.place, error = chain(fault));
     }
 
-    /// Takes in what a look found, and judges whether to believe it; `None` if another station has the
-    /// folder.
+    /// Notes what a look found, `None` if another station has the folder. Returns it if it is believed; otherwise the
+    /// folder is out of reach.
     pub(super) fn found(
         &mut self,
         found: io::Result<Option<Found>>,
         guard: &mut MountGuard,
-    ) -> BelievedLook {
-        let out_of_reach = BelievedLook {
-            look: Look::OutOfReach,
-            unrelated: BTreeMap::new(),
-            folders: Folders::default(),
-        };
-        let found = match found {
+    ) -> Option<Found> {
+        let mut found = match found {
             Ok(Some(found)) => found,
             Ok(None) => {
                 self.state(SourceState::Taken);
-                return out_of_reach;
+                return None;
             }
             Err(error) => {
                 self.state(SourceState::OutOfReach(Cause::of_system(&error)));
-                return out_of_reach;
+                return None;
             }
         };
         self.note(|source| source.file_system = Some(found.mount.file_system.to_string()));
         if let Err(why) = guard.check(found.mount) {
             self.state(SourceState::NotMounted(why));
-            return out_of_reach;
+            return None;
         }
         self.state(SourceState::Watched);
-        self.ignored(found.ignored, found.passed_over);
-        BelievedLook {
-            look: Look::Seen(found.scans),
-            unrelated: found.unrelated,
-            folders: found.folders,
-        }
+        self.ignored(mem::take(&mut found.ignored), mem::take(&mut found.passed_over));
+        Some(found)
     }
 
     /// Notes what a look passed over, and logs it if there is more of it.
@@ -124,7 +106,7 @@ impl Notes {
         let came = before.map_or(Duration::ZERO, |_| self.booth.core().now());
         self.note(|source| {
             source.last_look = Some(Timestamp::now());
-            let known = std::mem::take(&mut source.ignored);
+            let known = mem::take(&mut source.ignored);
             let ignored = |(path, Passed { why, changed_ns }): (PathBuf, Passed)| {
                 let is_same = |known: &&Ignored| (known.why, known.changed_ns) == (why, changed_ns);
                 let since = known.get(&path).filter(is_same).map_or(came, |known| known.since);
@@ -156,11 +138,11 @@ impl Notes {
             if source.state != state {
                 source.since = Timestamp::now();
             }
-            std::mem::replace(&mut source.state, state.clone())
+            mem::replace(&mut source.state, state.clone())
         });
         let Some(before) = before else { return };
         let export_dir = self.place;
-        if std::mem::discriminant(&before) == std::mem::discriminant(&state) {
+        if mem::discriminant(&before) == mem::discriminant(&state) {
             return;
         }
         match &state {
@@ -186,7 +168,7 @@ impl Notes {
             Ok(_) => self.unwatched = false,
             // The kind only: notify's errors name the path.
             Err(error) => {
-                if !std::mem::replace(&mut self.unwatched, true) {
+                if !mem::replace(&mut self.unwatched, true) {
                     let (event, export_dir) = ("watch-unavailable", self.place);
                     info!(event, export_dir, error = ?error.kind);
                 }
