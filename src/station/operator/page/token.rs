@@ -50,10 +50,8 @@ impl Token {
     /// # Errors
     /// If its file can be neither read nor created.
     pub fn take(state_dir: &Path) -> io::Result<Token> {
-        match kept(&state_dir.join(FILE))? {
-            Kept::Word(word) => return Ok(Token::from_word(&word)),
-            Kept::NotOurs => warn!(event = "page-token-refused"),
-            Kept::Nothing => {}
+        if let Some(word) = kept(&state_dir.join(FILE))? {
+            return Ok(Token::from_word(&word));
         }
         let mut random = [0_u8; BYTES];
         File::open(RANDOM)?.read_exact(&mut random)?;
@@ -107,34 +105,31 @@ impl Token {
     }
 }
 
-/// What lies under the token's name.
-enum Kept {
-    Word(String),
-    /// Nothing, or half a token.
-    Nothing,
-    /// Not a file of one name that only this user may use.
-    NotOurs,
-}
-
-fn kept(path: &Path) -> io::Result<Kept> {
+/// The token that lies there; `None` if it is half a token, or lies not in a file of one name that only this user may
+/// use.
+fn kept(path: &Path) -> io::Result<Option<String>> {
+    let refused = || {
+        warn!(event = "page-token-refused");
+        Ok(None)
+    };
     // A link leads to a file that somebody else chose, and a pipe would never answer.
     let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
     let file = match open(path, flags, Mode::empty()) {
         Ok(file) => File::from(file),
-        Err(Errno::NOENT) => return Ok(Kept::Nothing),
-        Err(Errno::LOOP | Errno::ACCESS | Errno::NXIO) => return Ok(Kept::NotOurs),
+        Err(Errno::NOENT) => return Ok(None),
+        Err(Errno::LOOP | Errno::ACCESS | Errno::NXIO) => return refused(),
         Err(error) => return Err(error.into()),
     };
     let found = file.metadata()?;
     let is_own = found.uid() == rustix::process::geteuid().as_raw();
     if !found.is_file() || !is_own || found.mode() & OTHERS != 0 || found.nlink() != 1 {
-        return Ok(Kept::NotOurs);
+        return refused();
     }
     let mut bytes = Vec::new();
     file.take(LONGEST).read_to_end(&mut bytes)?;
     let text = String::from_utf8_lossy(&bytes);
     let word = text.trim();
-    Ok(if is_one(word) { Kept::Word(word.to_owned()) } else { Kept::Nothing })
+    Ok(is_one(word).then(|| word.to_owned()))
 }
 
 fn is_one(text: &str) -> bool {
