@@ -23,18 +23,18 @@ impl Board {
         change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Raises an alarm. One that is raised already keeps its time and gets these figures.
-    pub fn raise(&self, code: &'static str, figures: ComplaintFigures) {
+    /// Raises an alarm. One that is raised already keeps its time and gets these figures. Returns whether it is new.
+    pub fn raise(&self, code: &'static str, figures: ComplaintFigures) -> bool {
         self.note(|facts| {
             let known = facts.alarms.get(code).map(|known| known.since);
             let since = known.unwrap_or_else(Timestamp::now);
-            facts.alarms.insert(code, Alarm { figures, since });
-        });
+            facts.alarms.insert(code, Alarm { figures, since }).is_none()
+        })
     }
 
-    /// Ends an alarm, if it is raised.
-    pub fn clear(&self, code: &str) {
-        self.note(|facts| drop(facts.alarms.remove(code)));
+    /// Ends an alarm. Returns whether it was raised.
+    pub fn clear(&self, code: &str) -> bool {
+        self.note(|facts| facts.alarms.remove(code).is_some())
     }
 
     /// The stores that wait until somebody fetches what they have.

@@ -399,6 +399,6 @@ impl Booth {
         match counts.unwrap_or_default() {
             none if none.is_empty() => board.clear(EXPORT_PASSED_OVER),
             counts => board.raise(EXPORT_PASSED_OVER, ComplaintFigures::default().unread(counts)),
-        }
+        };
     }
 }

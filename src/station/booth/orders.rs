@@ -101,23 +101,20 @@ pub async fn worker(
     let (core, config) = (Arc::clone(booth.core()), Arc::new(config));
     let settling = Settling::new(config.quiet, config.quiet, config.max_age);
     let mut orders = Orders::new(settling);
-    let reach = Arc::new(Reach {
-        booth: Arc::clone(&booth),
-        is_in: AtomicBool::new(true),
-        is_any_unread: AtomicBool::new(false),
-    });
+    let is_any_unread = Arc::new(AtomicBool::new(false));
     let mut looks = booth.looks();
     let mut forgotten = core.board.facts().alarms.contains_key(JOURNAL_REBUILT);
     while !stop.is_requested() {
         let alive = || beat.beat();
-        let stalled = || Reach::stalled(&reach);
-        let (theirs, of, ours) = (Arc::clone(&config), Arc::clone(&core), Arc::clone(&reach));
+        let (theirs, of) = (Arc::clone(&config), Arc::clone(&booth));
+        let was_any_unread = Arc::clone(&is_any_unread);
         let look = move |counter: &StepCounter| {
-            let began = of.now();
-            let found = looked(&of, &theirs, forgotten, counter);
-            (ours.convert(found), LookTime { began, ended: of.now() })
+            let began = of.core().now();
+            let found = looked(of.core(), &theirs, forgotten, counter);
+            let look = believed(&of, &was_any_unread, found);
+            (look, LookTime { began, ended: of.core().now() })
         };
-        let looked = patiently(DEADLINE, &mut stop, look, alive, stalled).await?;
+        let looked = patiently(DEADLINE, &mut stop, look, alive, || stalled(&booth)).await?;
         let Some((look, when)) = looked else { break };
         forgotten &= look == Look::OutOfReach;
         for settled in orders.due(look, when) {
@@ -134,8 +131,7 @@ pub async fn worker(
                 }
                 taken
             };
-            let stalled = || Reach::stalled(&reach);
-            let taken = patiently(DEADLINE, &mut stop, taking, alive, stalled).await?;
+            let taken = patiently(DEADLINE, &mut stop, taking, alive, || stalled(&booth)).await?;
             let Some(taken) = taken else { return Ok(()) };
             if let Err(fault) = &taken {
                 warn!(event = "order-put-off", error = chain(fault));
@@ -246,58 +242,51 @@ impl Orders {
     }
 }
 
-/// Whether the folder of orders is in reach. While it is not, orders may come and go unnoticed.
-struct Reach {
-    booth: Arc<Booth>,
-    is_in: AtomicBool,
-    /// It holds files that cannot be examined.
-    is_any_unread: AtomicBool,
+/// Converts the result of a look, before any order that it found is applied: while the folder is out of reach, or holds
+/// files that cannot be examined (`is_any_unread`), orders may come and go unnoticed. Blocks.
+fn believed(
+    booth: &Booth,
+    is_any_unread: &AtomicBool,
+    found: io::Result<list_orders::Found>,
+) -> Look {
+    match found {
+        Ok(found) => {
+            if booth.core().board.clear(OUT_OF_REACH) {
+                info!(event = "orders-in-reach");
+                booth.missed_name(SOURCE);
+            }
+            // Their patients may be at the booth.
+            let is_any = !found.unexamined.is_empty();
+            if is_any_unread.swap(is_any, Ordering::Relaxed) != is_any {
+                warn!(event = "orders-unexamined", count = found.unexamined.len());
+                booth.missed_name(SOURCE);
+            }
+            Look::Seen(found.orders)
+        }
+        Err(error) => {
+            if is_newly_lost(booth, &Cause::of_system(&error)) {
+                booth.missed_name(SOURCE);
+            }
+            Look::OutOfReach
+        }
+    }
 }
 
-impl Reach {
-    /// Converts the result of a look, before any order that it found is applied. Blocks.
-    fn convert(&self, found: io::Result<list_orders::Found>) -> Look {
-        match found {
-            Ok(found) => {
-                if !self.is_in.swap(true, Ordering::Relaxed) {
-                    info!(event = "orders-in-reach");
-                    self.booth.missed_name(SOURCE);
-                }
-                // Their patients may be at the booth.
-                let is_any_unread = !found.unexamined.is_empty();
-                if self.is_any_unread.swap(is_any_unread, Ordering::Relaxed) != is_any_unread {
-                    warn!(event = "orders-unexamined", count = found.unexamined.len());
-                    self.booth.missed_name(SOURCE);
-                }
-                self.booth.core().board.clear(OUT_OF_REACH);
-                Look::Seen(found.orders)
-            }
-            Err(error) => {
-                if self.lose(&Cause::of_system(&error)) {
-                    self.booth.missed_name(SOURCE);
-                }
-                Look::OutOfReach
-            }
-        }
+/// The folder does not answer. Does not block.
+fn stalled(booth: &Arc<Booth>) {
+    if is_newly_lost(booth, &Cause::known("no-answer", [])) {
+        let booth = Arc::clone(booth);
+        drop(spawn_blocking(move || booth.missed_name(SOURCE)));
     }
+}
 
-    /// The folder does not answer. Does not block.
-    fn stalled(reach: &Arc<Reach>) {
-        if reach.lose(&Cause::known("no-answer", [])) {
-            let theirs = Arc::clone(reach);
-            drop(spawn_blocking(move || theirs.booth.missed_name(SOURCE)));
-        }
+/// Notes that the folder is out of reach. Logs it if it was in reach before; returns whether it was.
+fn is_newly_lost(booth: &Booth, why: &Cause) -> bool {
+    let is_new = booth.core().board.raise(OUT_OF_REACH, ComplaintFigures::why(why));
+    if is_new {
+        warn!(event = "orders-out-of-reach", error = why.to_string());
     }
-
-    /// The folder is out of reach. Logs it if it was in reach before; returns whether it was.
-    fn lose(&self, why: &Cause) -> bool {
-        self.booth.core().board.raise(OUT_OF_REACH, ComplaintFigures::why(why));
-        let was_in = self.is_in.swap(false, Ordering::Relaxed);
-        if was_in {
-            warn!(event = "orders-out-of-reach", error = why.to_string());
-        }
-        was_in
-    }
+    is_new
 }
 
 /// Reads an order that a client hands in. An order that cannot be read puts the waiting name in doubt.
