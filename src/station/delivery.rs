@@ -25,7 +25,6 @@ use gaiter_flow::outbox::{Ended, Key};
 use jiff::Timestamp;
 use tokio::task::{JoinError, JoinSet, spawn_blocking};
 use tokio::time::sleep;
-use tracing::info;
 
 use self::work::Ready;
 use super::booth::Booth;
@@ -242,8 +241,8 @@ impl Scheduler {
             }
             let most = booth.core().stores.named(store).map(|store| store.step_most());
             let is_stalled = most.is_some_and(|most| lasts >= most);
-            if is_stalled && store_reach::note_stalled(booth.core(), store) {
-                info!(event = "store-stalled", store);
+            if is_stalled {
+                store_reach::note_stalled(booth.core(), store);
             }
         }
     }

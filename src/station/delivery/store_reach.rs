@@ -110,18 +110,17 @@ fn awaits(core: &Core, store: &str) -> bool {
     pending.map_or(true, |due| due.iter().any(|due| due.store == store))
 }
 
-/// Notes that a step at a store does not return. Returns whether that is new.
-pub fn note_stalled(core: &Core, name: &str) -> bool {
+/// Notes that a step at a store does not return. Logs it if that is new.
+pub fn note_stalled(core: &Core, name: &str) {
     let stalled = Cause::known("no-answer", []);
     let is_known = core.board.note(|facts| {
         let refusal = facts.stores.get(name).and_then(|facts| facts.refusal.as_ref());
         refusal.and_then(StoreRefusal::fault) == Some(&stalled)
     });
-    if is_known {
-        return false;
+    if !is_known {
+        note(core, name, StoreAttempt::Look(Some(StoreRefusal::Fault(stalled))));
+        info!(event = "store-stalled", store = name);
     }
-    note(core, name, StoreAttempt::Look(Some(StoreRefusal::Fault(stalled))));
-    true
 }
 
 /// Why a store takes no record, without its path.

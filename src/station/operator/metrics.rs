@@ -45,7 +45,7 @@ pub fn text(overview: &Overview) -> Result<String, fmt::Error> {
 fn of_station(registry: &mut Registry, overview: &Overview) {
     let Overview { facts, complaints, disk, running, .. } = overview;
     gauge(registry, "up", "1 while the station runs", 1.0);
-    let ready = if overview.is_ready() { 1.0 } else { 0.0 };
+    let ready = f64::from(overview.is_ready());
     gauge(registry, "ready", "1 while scans become records", ready);
     let running = running.as_secs_f64();
     gauge(registry, "running_seconds", "Time since the station began", running);
@@ -56,9 +56,8 @@ fn of_station(registry: &mut Registry, overview: &Overview) {
     family(registry, "notice", "What a person should know", notices);
     let alarms = facts.alarms.keys().map(|code| ([("code", (*code).to_owned())], 1.0));
     family(registry, "alarm", "What an operator must know", alarms);
-    let intake = IntakeState::WORDS.map(|word| {
-        ([("state", word.to_owned())], f64::from(u8::from(word == facts.intake.word())))
-    });
+    let intake = IntakeState::WORDS
+        .map(|word| ([("state", word.to_owned())], f64::from(word == facts.intake.word())));
     family(registry, "intake", "1 for the state of the intake", intake);
     if let Some(disk) = disk {
         let help = "Free on the disk of the state folder";
@@ -112,7 +111,7 @@ fn of_sources(registry: &mut Registry, overview: &Overview) {
         states.iter().map(move |state| {
             let word = state.word();
             let labels = [("export_dir", place.to_string()), ("state", word.to_owned())];
-            (labels, f64::from(u8::from(word == source.state.word())))
+            (labels, f64::from(word == source.state.word()))
         })
     });
     family(registry, "source", "1 for the state of each export folder", of_all);
@@ -120,7 +119,7 @@ fn of_sources(registry: &mut Registry, overview: &Overview) {
         .map(|(place, source)| ([("export_dir", place.to_string())], source.waiting.len() as f64));
     family(registry, "source_waiting_files", "Files not taken yet", waiting);
     let stores = overview.facts.stores.iter().map(|(store, facts)| {
-        ([("store", (*store).to_owned())], f64::from(u8::from(facts.refusal.is_none())))
+        ([("store", (*store).to_owned())], f64::from(facts.refusal.is_none()))
     });
     family(registry, "store_takes_records", "1 while the last delivery went well", stores);
 }
@@ -130,7 +129,7 @@ fn of_triggers(registry: &mut Registry, overview: &Overview) {
     let states = ports().flat_map(|(port, trigger)| {
         PortState::ALL.map(|state| {
             let labels = [("port", (*port).to_owned()), ("state", state.word().to_owned())];
-            (labels, f64::from(u8::from(state == trigger.state)))
+            (labels, f64::from(state == trigger.state))
         })
     });
     family(registry, "trigger", "1 for the state of each port of the booth", states);
@@ -148,10 +147,10 @@ fn of_triggers(registry: &mut Registry, overview: &Overview) {
 
 fn of_phantom(registry: &mut Registry, overview: &Overview) {
     let Some(phantom) = &overview.facts.phantom else { return };
-    let due = f64::from(u8::from(overview.facts.is_phantom_due(overview.now)));
+    let due = f64::from(overview.facts.is_phantom_due(overview.now));
     gauge(registry, "phantom_due", "1 while the known body should be scanned", due);
     let Some(last) = phantom.checks.last() else { return };
-    let within = f64::from(u8::from(last.result == CheckResult::Within));
+    let within = f64::from(last.result == CheckResult::Within);
     gauge(registry, "phantom_within", "1 if the last check was within the tolerance", within);
     let help = "When the known body was last scanned, seconds since 1970";
     gauge(registry, "phantom_last_check_seconds", help, last.at.as_second() as f64);
