@@ -67,22 +67,6 @@ function read(line, side, is, inputs) {
   return hasAny ? measure : null;
 }
 
-function rememberedName() {
-  try {
-    return localStorage.getItem(NAME_KEY) ?? "";
-  } catch {
-    return "";
-  }
-}
-
-function rememberName(name) {
-  try {
-    localStorage.setItem(NAME_KEY, name);
-  } catch {
-    // Storage is switched off: the name is typed again.
-  }
-}
-
 function amendTable(lines) {
   const groups = make("tr", {}, make("td"), AMEND_SIDES.map((side) => make("th", { scope: "colgroup", colspan: 3 }, label(side))));
   const heads = make("tr", {}, make("th", { scope: "col" }, label("level")), AMEND_SIDES.flatMap(() =>
@@ -138,7 +122,7 @@ async function amend(scan) {
   askAnew();
   parts.forEach((part) => part.addEventListener("input", askAnew));
   $("amend_reason").value = "";
-  $("amend_by").value = rememberedName();
+  $("amend_by").value = kept(NAME_KEY) ?? "";
   dialog.querySelector("form").onsubmit = async (event) => {
     event.preventDefault();
     let set;
@@ -154,7 +138,7 @@ async function amend(scan) {
     }
     save.disabled = true;
     const by = $("amend_by").value.trim();
-    rememberName(by);
+    keep(NAME_KEY, by);
     const said = await ask({
       ask: "amend", scan: scan.scan, patient: scan.owner?.id, measures: set, reason: $("amend_reason").value.trim(), by, is_sure: isSure,
     });

@@ -2,12 +2,26 @@
 // What a person decides on the page: each decision is asked for with whose it is about and what comes of
 // it, and then sent to the station. Goes before page.js, whose elements and labels it uses.
 
-let token = null;
-try {
-  token = localStorage.getItem("gaiter-token");
-} catch {
-  // Storage is switched off: the token lasts as long as the page.
+// What this browser keeps. Where its storage is switched off, nothing lasts longer than the page.
+function kept(key) {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
 }
+
+function keep(key, value) {
+  try {
+    if (value === null) localStorage.removeItem(key);
+    else localStorage.setItem(key, value);
+  } catch {
+    // As above.
+  }
+}
+
+const TOKEN_KEY = "gaiter-token";
+let token = kept(TOKEN_KEY);
 
 // The token leaves the address bar before anybody can read it there.
 function takeToken() {
@@ -16,11 +30,7 @@ function takeToken() {
   history.replaceState(null, "", location.pathname);
   if (!isLocal) return false;
   token = found[1];
-  try {
-    localStorage.setItem("gaiter-token", token);
-  } catch {
-    // As above.
-  }
+  keep(TOKEN_KEY, token);
   return true;
 }
 
@@ -57,11 +67,7 @@ async function enter() {
 
 function forget(sentence) {
   token = null;
-  try {
-    localStorage.removeItem("gaiter-token");
-  } catch {
-    // As above.
-  }
+  keep(TOKEN_KEY, token);
   $("question")?.close();
   say(sentence, true);
   drawn.clear();
