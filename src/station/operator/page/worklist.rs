@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use axum::body::{Bytes, to_bytes};
+use axum::body::to_bytes;
 use axum::extract::{Request, State};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
@@ -72,15 +72,12 @@ pub async fn worklist(State(endpoint): State<Arc<HttpEndpoint>>, request: Reques
     let Ok(body) = to_bytes(request.into_body(), MOST).await else {
         return StatusCode::PAYLOAD_TOO_LARGE.into_response();
     };
-    if question(&body).anew {
+    // A question that cannot be read asks for nothing more than the entries.
+    let question: WorklistQuestion = serde_json::from_slice(&body).unwrap_or_default();
+    if question.anew {
         endpoint.desk.booth.wish_worklist();
     }
     let entries = endpoint.desk.booth.listed();
     let entries = entries.map(|all| all.into_iter().map(WorklistEntryShown::from).collect());
     json(&WorklistShown { entries })
-}
-
-/// A question that cannot be read asks for nothing more than the entries.
-fn question(body: &Bytes) -> WorklistQuestion {
-    serde_json::from_slice(body).unwrap_or_default()
 }
