@@ -134,7 +134,8 @@ pub fn take(
         return Ok(awaits);
     }
     if let Some(phantom) = core.phantom_of(&name) {
-        phantom::take(core, phantom, settled, export, format)?;
+        phantom::take(core, phantom, export, format)?;
+        sighted(core, settled, None)?;
         return Ok(Taken::Done);
     }
     let companions = fresh(core, settled, export)?;
@@ -163,16 +164,21 @@ pub fn take(
         // Its path may name the person: it is read again at the next start, and known by its hash.
         return Ok(Taken::Done);
     }
-    let journal = core.custody.journal();
-    for companion in &settled.group.companions {
-        journal.sighted(&companion.path, companion.stamp, Some(&export.scan))?;
-    }
-    // Last: if this fails, the file is read again and found to be known.
-    journal.sighted(&settled.path, settled.group.stamp, Some(&export.scan))?;
+    sighted(core, settled, Some(&export.scan))?;
     if let (Verdict::Already, Some(same_as)) = (verdict, &same_as) {
-        journal.sighted_again(&settled.path, same_as)?;
+        core.custody.journal().sighted_again(&settled.path, same_as)?;
     }
     Ok(Taken::Done)
+}
+
+/// Notes that a file and those that go with it were dealt with in this state. It comes last: if that fails, it is read
+/// again and found to be known.
+fn sighted(core: &Core, settled: &Settled, scan: Option<&ScanId>) -> Result<(), JournalError> {
+    let journal = core.custody.journal();
+    for companion in &settled.group.companions {
+        journal.sighted(&companion.path, companion.stamp, scan)?;
+    }
+    journal.sighted(&settled.path, settled.group.stamp, scan)
 }
 
 /// The files that lie beside an export and were made for it, without those that an earlier scan under

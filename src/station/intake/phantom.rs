@@ -3,7 +3,6 @@
 
 use std::io;
 
-use gaiter_flow::Settled;
 use gaiter_flow::facts::PhantomFacts;
 use gaiter_flow::phantom::{PHANTOM_ALARM, SHOWN_MOST};
 use gaiter_record::phantom::{CheckRecord, CheckResult};
@@ -16,7 +15,6 @@ use crate::config::PhantomConfig;
 use crate::station::board::Board;
 use crate::station::core::Core;
 use crate::station::custody::phantom_series::PhantomSeries;
-use crate::station::journal::JournalError;
 use crate::station::measure::{
     CheckJob, Ended, Job, JobAnswer, MeasureFault, Purpose, measure_bytes,
 };
@@ -30,8 +28,6 @@ pub enum CheckFault {
     /// The check could not be kept.
     #[error("the check could not be kept")]
     Series(#[from] io::Error),
-    #[error("the journal could not be read or written")]
-    Journal(#[from] JournalError),
 }
 
 /// Measures a settled scan of the phantom, unless it is in the series already. Blocks.
@@ -41,7 +37,6 @@ pub enum CheckFault {
 pub fn take(
     core: &Core,
     phantom: &PhantomConfig,
-    settled: &Settled,
     export: &Export,
     format: Format,
 ) -> Result<(), CheckFault> {
@@ -52,11 +47,6 @@ pub fn take(
         series.keep(check)?;
         note(&core.board, phantom, series);
     }
-    let journal = core.custody.journal();
-    for companion in &settled.group.companions {
-        journal.sighted(&companion.path, companion.stamp, None)?;
-    }
-    journal.sighted(&settled.path, settled.group.stamp, None)?;
     Ok(())
 }
 
