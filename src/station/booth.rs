@@ -471,9 +471,7 @@ pub async fn worker(booth: Arc<Booth>, beat: Heartbeat, mut stop: Stop) -> Resul
             (passed, asked, scene)
         });
         let (passed, asked, scene) = step.await?;
-        if let Err(error) = passed {
-            core.journal_failed(&error);
-        }
+        core.logged(passed);
         if let Some(asked) = asked {
             // A light that shows what is over sends people to look for nothing.
             let pause = if asked { NOT_READY } else { READY };

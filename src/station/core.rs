@@ -146,10 +146,13 @@ impl Core {
         }
     }
 
-    /// Logs an error of the journal, and checks whether it means corruption.
-    pub fn journal_failed(&self, error: &JournalError) {
-        self.check_corruption(error);
-        warn!(event = "journal-failed", error = chain(error));
+    /// What the journal gave; `None` if it failed. That is logged, and checked for corruption.
+    pub fn logged<T>(&self, given: Result<T, JournalError>) -> Option<T> {
+        let failed = |error: &JournalError| {
+            self.check_corruption(error);
+            warn!(event = "journal-failed", error = chain(error));
+        };
+        given.inspect_err(failed).ok()
     }
 
     /// Checks an error for corruption, and returns it with its causes, in English.

@@ -109,13 +109,7 @@ impl Scheduler {
             let journal = core.custody.journal();
             journal.is_in_place().and_then(|()| journal.pending())
         });
-        let pending = match pending.await? {
-            Ok(pending) => pending,
-            Err(error) => {
-                booth.core().journal_failed(&error);
-                return Ok(());
-            }
-        };
+        let Some(pending) = booth.core().logged(pending.await?) else { return Ok(()) };
         let keys: Vec<Key> = pending.iter().map(key).collect();
         self.dues = keys.iter().cloned().zip(pending).collect();
         booth.core().to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
@@ -223,9 +217,8 @@ impl Scheduler {
                 Ended::PutOff | Ended::ForGood => "put-off",
             };
             // This only informs people; the pause itself holds.
-            if let Err(error) = booth.core().custody.journal().put_off(&due, code, next_at) {
-                booth.core().journal_failed(&error);
-            }
+            let core = booth.core();
+            core.logged(core.custody.journal().put_off(&due, code, next_at));
         });
         noted.await
     }

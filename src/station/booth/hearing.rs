@@ -52,11 +52,7 @@ impl Booth {
             PortEvent::Unread => self.unread(SourceKind::Reader, Some(self.core.now())),
             PortEvent::UnreadOrder { absent } => self.unread(SourceKind::Order, *absent),
         };
-        if let Err(error) = done {
-            self.core.journal_failed(&error);
-            return false;
-        }
-        true
+        self.core.logged(done).is_some()
     }
 
     fn received_name(

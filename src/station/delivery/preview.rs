@@ -105,8 +105,7 @@ impl Round {
             return false;
         }
         let looked = self.look();
-        let looked = looked.inspect_err(|error| self.core().journal_failed(error));
-        let has_made = looked.unwrap_or(false);
+        let has_made = self.core().logged(looked).unwrap_or(false);
         if !has_made {
             (self.edition, self.next) = (edition, now + RECHECK);
         }
@@ -152,8 +151,7 @@ impl Round {
                 return match self.previews.keep(&row.scan, &files) {
                     Ok(()) => {
                         info!(event = "preview-made", scan);
-                        let noted = booth.scan_measured(&row.scan);
-                        _ = noted.inspect_err(|error| booth.core().journal_failed(error));
+                        booth.core().logged(booth.scan_measured(&row.scan));
                     }
                     Err(error) => self.put_off(row, &error.to_string()),
                 };
@@ -165,8 +163,7 @@ impl Round {
         info!(event = "preview-impossible", scan, code);
         self.previews.note(&row.scan, Preview::Impossible(code));
         // Another export of the same scan is expected.
-        let noted = booth.reopen_capture(&row.scan);
-        _ = noted.inspect_err(|error| booth.core().journal_failed(error));
+        booth.core().logged(booth.reopen_capture(&row.scan));
     }
 
     fn put_off(&mut self, row: &ScanRow, error: &str) {

@@ -301,10 +301,8 @@ pub(super) fn note_fault(booth: &Booth, due: &Due, fault: DeliveryFault) -> Ende
         DeliveryFault::Refused(reason) => match core.custody.refuse_delivery(due, reason) {
             Ok(None) => return Ended::ForGood,
             Ok(Some(Reason { code, message, stage, .. })) => {
-                if stage != Stage::Store
-                    && let Err(error) = booth.reopen_capture(&due.scan)
-                {
-                    core.journal_failed(&error);
+                if stage != Stage::Store {
+                    core.logged(booth.reopen_capture(&due.scan));
                 }
                 warn!(event = "scan-refused", scan, code);
                 booth.ended(&due.scan, &[]);

@@ -22,11 +22,7 @@ pub(super) async fn recall(core: &Arc<Core>, folder: &Path) -> Result<Memory, Jo
         if boot.is_empty() {
             return Memory::default();
         }
-        let memory = core.custody.journal().look(&folder, boot);
-        memory.unwrap_or_else(|error| {
-            core.journal_failed(&error);
-            Memory::default()
-        })
+        core.logged(core.custody.journal().look(&folder, boot)).unwrap_or_default()
     });
     recalled.await
 }
@@ -71,7 +67,7 @@ impl Intake {
         let (core, folder) = (Arc::clone(self.booth.core()), self.folder.clone());
         let written = spawn_blocking(move || {
             let written = core.custody.journal().looked(&folder, core.clock.boot(), &memory);
-            written.inspect_err(|error| core.journal_failed(error)).ok().map(|()| memory)
+            core.logged(written).map(|()| memory)
         });
         self.kept = written.await?;
         Ok(())

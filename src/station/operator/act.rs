@@ -18,7 +18,7 @@ use crate::station::booth::{Booth, NameFault};
 use crate::station::core::Core;
 use crate::station::custody::{Acted, CustodyFault};
 use crate::station::event::short;
-use crate::station::journal::{JournalError, ScanRow};
+use crate::station::journal::ScanRow;
 use crate::station::runtime::chain;
 use crate::store::{RecordStore, StoreFault, StoredScan};
 pub(super) use amend::set as amend;
@@ -54,7 +54,8 @@ pub(super) fn release(core: &Core, booth: &Booth, row: &ScanRow) -> Result<Strin
     let count = done(core.custody.release(&row.scan)?, row, "act.why.nothing_to_release")?;
     let scan = short(&row.scan);
     info!(event = "scan-released", scan);
-    ends_round(core, booth.decided(&row.scan));
+    // It ends the round of its scan. If that cannot be written down, the round ends by time.
+    core.logged(booth.decided(&row.scan));
     Ok(delivers(core, "act.released", &scan, count))
 }
 
@@ -63,7 +64,7 @@ pub(super) fn give_up(core: &Core, booth: &Booth, row: &ScanRow) -> Result<Strin
     done(core.custody.give_up(&row.scan)?, row, "act.why.nothing_to_give_up")?;
     let scan = short(&row.scan);
     info!(event = "scan-given-up", scan);
-    ends_round(core, booth.given_up(&row.scan));
+    core.logged(booth.given_up(&row.scan));
     Ok(of_scan(core, "act.given_up", &scan))
 }
 
@@ -80,13 +81,6 @@ fn done(acted: Acted, row: &ScanRow, nothing: &'static str) -> Result<usize, Act
 
 fn no_occasion(row: &ScanRow, why: &'static str) -> ActFault {
     ActFault::NoOccasion { scan: row.scan.clone(), why }
-}
-
-/// A decision ends the round of its scan. If that cannot be written down, the round ends by time.
-fn ends_round(core: &Core, ended: Result<(), JournalError>) {
-    if let Err(error) = ended {
-        core.journal_failed(&error);
-    }
 }
 
 /// A scan that came in without a patient, or is held, belongs to the patient with this id.
@@ -106,7 +100,7 @@ pub(super) fn assign(
     let count = done(acted, row, "act.why.just_changed")?;
     let scan = short(&row.scan);
     info!(event = "scan-assigned", scan);
-    ends_round(core, booth.decided(&row.scan));
+    core.logged(booth.decided(&row.scan));
     Ok(delivers(core, "act.assigned", &scan, count))
 }
 

@@ -122,10 +122,7 @@ impl Booth {
         *known = Some(seen);
         drop(known);
         let core = self.core();
-        let kept = core.custody.journal().keep_accession_numbers(&id_rules(core), seen);
-        if let Err(error) = kept {
-            core.journal_failed(&error);
-        }
+        core.logged(core.custody.journal().keep_accession_numbers(&id_rules(core), seen));
     }
 
     /// What is known of the numbers, where somebody reads codes.
