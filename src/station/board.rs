@@ -1,12 +1,14 @@
 //! The board on which workers note what they know, for others to read.
 
 use std::collections::BTreeSet;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use gaiter_flow::Facts;
 use gaiter_flow::complaint::ComplaintFigures;
 use gaiter_flow::facts::Alarm;
 use jiff::Timestamp;
+
+use super::runtime::locked;
 
 /// The current facts of a station.
 #[derive(Debug)]
@@ -20,7 +22,7 @@ impl Board {
 
     /// Changes the facts or reads some of them. `change` must be short, because everyone else waits.
     pub fn note<T>(&self, change: impl FnOnce(&mut Facts) -> T) -> T {
-        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        change(&mut locked(&self.0))
     }
 
     /// Raises an alarm. One that is raised already keeps its time and gets these figures. Returns whether it is new.

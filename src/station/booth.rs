@@ -8,7 +8,7 @@ pub mod trigger;
 pub mod worklist;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use gaiter_flow::account::Whole;
@@ -28,7 +28,7 @@ use tokio::time::sleep;
 use super::core::Core;
 use super::journal::{CaptureRow, Journal, JournalError};
 use super::overview::Overview;
-use super::runtime::{ASLEEP, Heartbeat, Stop};
+use super::runtime::{ASLEEP, Heartbeat, Stop, locked};
 pub use hearing::NameFault;
 
 /// Interval between updates of the light: a person notices no shorter delay.
@@ -238,11 +238,7 @@ impl Booth {
 
     /// Locks the captures. Blocks during writes to the journal.
     fn inner(&self) -> MutexGuard<'_, Inner> {
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn sights(&self) -> MutexGuard<'_, Vec<Sights>> {
-        self.sights.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.inner)
     }
 
     /// What the light shows, now and whenever it changes.
@@ -262,7 +258,7 @@ impl Booth {
 
     /// Notes what the looks at an export folder have found.
     pub fn looked(&self, place: usize, sights: Sights) {
-        if let Some(known) = self.sights().get_mut(place) {
+        if let Some(known) = locked(&self.sights).get_mut(place) {
             *known = sights;
         }
     }
@@ -376,7 +372,7 @@ impl Booth {
     fn progress(&self, inner: &mut Inner) -> Option<Progress> {
         // What lay there at the first look may be known: it counts once it is taken.
         let is_any_new = |files: &[Appeared]| files.iter().any(|file| file.absent.is_some());
-        let sights = self.sights();
+        let sights = locked(&self.sights);
         let is_any = |of: fn(&Sights) -> &[Appeared]| sights.iter().any(|at| is_any_new(of(at)));
         if is_any(|at| &at.stopped) {
             Some(Progress::Stopped)

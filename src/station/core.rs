@@ -2,7 +2,7 @@
 //! on workers, booth or page.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::Duration;
 
 use gaiter_flow::cause::Cause;
@@ -17,7 +17,7 @@ use super::custody::Custody;
 use super::event::Observer;
 use super::journal::JournalError;
 use super::journal::integrity::Suspicion;
-use super::runtime::{Clock, chain};
+use super::runtime::{Clock, chain, locked};
 use super::share::file_system;
 use super::stores::Stores;
 use crate::config::{Config, PhantomConfig};
@@ -92,7 +92,7 @@ impl Core {
     pub fn intake_gate(&self, size_bytes: u64) -> IntakeState {
         // A disk that cannot be queried reports its fault elsewhere.
         let free = file_system::free_bytes(&self.config.station.state_dir).unwrap_or(u64::MAX);
-        let mut space = self.space.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut space = locked(&self.space);
         let has_room = space.admits(free, size_bytes);
         let (before, state) = self.board.note(|facts| {
             let before = facts.intake;
@@ -128,12 +128,12 @@ impl Core {
 
     /// Requests that the deliveries of a scan are tried now.
     pub fn retry_now(&self, scan: &ScanId) {
-        self.to_retry_now.lock().unwrap_or_else(PoisonError::into_inner).push(scan.clone());
+        locked(&self.to_retry_now).push(scan.clone());
     }
 
     /// Takes the scans that are to be tried now.
     pub fn to_retry_now(&self) -> Vec<ScanId> {
-        std::mem::take(&mut *self.to_retry_now.lock().unwrap_or_else(PoisonError::into_inner))
+        std::mem::take(&mut *locked(&self.to_retry_now))
     }
 
     /// Requests a rebuild of the journal if the error means corruption, and a check if it leaves that

@@ -1,4 +1,4 @@
-//! What every worker uses: beats, stops, the clock, random numbers, caught panics, causes of errors.
+//! What every worker uses: beats, stops, locks, the clock, random numbers, caught panics, causes of errors.
 
 use std::any::Any;
 use std::collections::hash_map::RandomState;
@@ -6,7 +6,7 @@ use std::error::Error;
 use std::fs;
 use std::hash::{BuildHasher, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
@@ -32,7 +32,7 @@ impl Default for Heartbeat {
 impl Heartbeat {
     /// Notes that the worker is alive.
     pub fn beat(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+        *locked(&self.0) = Instant::now();
     }
 
     /// Waits, and beats meanwhile.
@@ -49,7 +49,7 @@ impl Heartbeat {
 
     /// The time since the last beat.
     pub fn age(&self) -> Duration {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).elapsed()
+        locked(&self.0).elapsed()
     }
 }
 
@@ -120,6 +120,11 @@ impl Clock {
     pub fn boot(&self) -> &str {
         &self.boot
     }
+}
+
+/// Locks what is whole even after a panic, because it is changed in one step.
+pub fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// How far this machine's local time was ahead of UTC at a time, minutes.

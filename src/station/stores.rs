@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use gaiter_record::fhir::FhirRules;
 use gaiter_record::hl7::Hl7Rules;
@@ -10,6 +10,7 @@ use jiff::tz::TimeZone;
 
 use super::measure::CropJob;
 use super::measure::crop::ConfinedCrop;
+use super::runtime::locked;
 use crate::config::{ArchiveStoreConfig, Config, FhirStoreConfig, GdtStoreConfig, Hl7StoreConfig};
 use crate::store::gdt::Attach;
 use crate::store::{
@@ -92,18 +93,14 @@ impl Stores {
     pub fn open(&self, store: &dyn RecordStore) -> Result<(), StoreFault> {
         if !self.is_open(store) {
             store.open()?;
-            self.opened().insert(store.name());
+            locked(&self.opened).insert(store.name());
         }
         Ok(())
     }
 
     /// Reports whether this run has opened a store.
     pub fn is_open(&self, store: &dyn RecordStore) -> bool {
-        self.opened().contains(store.name())
-    }
-
-    fn opened(&self) -> MutexGuard<'_, BTreeSet<&'static str>> {
-        self.opened.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.opened).contains(store.name())
     }
 }
 

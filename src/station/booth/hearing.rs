@@ -18,6 +18,7 @@ use tracing::{info, warn};
 use super::{Booth, Inner};
 use crate::station::event::StationEvent;
 use crate::station::journal::{BoothChange, Event, JournalError};
+use crate::station::runtime::locked;
 
 /// Why a patient was not named.
 #[derive(Debug, thiserror::Error)]
@@ -160,7 +161,8 @@ impl Booth {
     ) -> Result<NamedNext, JournalError> {
         let (now, by) = (self.core.now(), named.by);
         let number = inner.next_number;
-        let coming: Vec<Appeared> = self.sights().iter().flat_map(|at| at.coming.clone()).collect();
+        let coming: Vec<Appeared> =
+            locked(&self.sights).iter().flat_map(|at| at.coming.clone()).collect();
         let mut after = inner.captures.clone();
         let late = after.has_unnamed_press(now);
         let is_overtaken = by == SourceKind::Order && after.overtaken(&named, absent);
@@ -361,7 +363,7 @@ impl Booth {
         let now = self.core.now();
         let mut inner = self.inner();
         let mut after = inner.captures.clone();
-        let passed = after.pass(now, &self.sights());
+        let passed = after.pass(now, &locked(&self.sights));
         if !inner.missed && after.is_armed() {
             self.core.board.clear(NO_EXPORT);
         }

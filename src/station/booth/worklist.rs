@@ -14,7 +14,7 @@ mod tests;
 mod worker;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use gaiter_flow::round::{Named, NamedNext};
 use gaiter_flow::worklist::{
@@ -32,6 +32,7 @@ use crate::config::PatientConfig;
 use crate::station::core::Core;
 #[cfg(feature = "dicom")]
 use crate::station::journal::JournalError;
+use crate::station::runtime::locked;
 #[cfg(feature = "dicom")]
 pub use ask::{WorklistAnswer, ask};
 #[cfg(feature = "dicom")]
@@ -59,11 +60,11 @@ impl BoothWorklist {
     }
 
     fn numbers(&self) -> MutexGuard<'_, Option<AccessionNumbers>> {
-        self.numbers.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.numbers)
     }
 
     fn list(&self) -> MutexGuard<'_, Option<Worklist>> {
-        self.list.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.list)
     }
 }
 

@@ -9,13 +9,14 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::Duration;
 
 use gaiter_flow::orders::FolderId;
 use gaiter_record::sha256;
 use tracing::info;
 
+use crate::station::runtime::locked;
 use crate::station::share::file_system;
 use crate::store::polling::poll;
 
@@ -44,7 +45,7 @@ impl ExportLocks {
     /// If the folder cannot be examined.
     pub fn hold(&self, folder: &Path) -> io::Result<bool> {
         let id = file_system::folder_id(folder)?;
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut all = locked(&self.0);
         if all.get(folder).is_some_and(|held| held.id == id) {
             return Ok(true);
         }
@@ -74,7 +75,7 @@ impl ExportLocks {
 
     /// Releases all folders except these.
     pub fn keep_only(&self, folders: &[PathBuf]) {
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut all = locked(&self.0);
         all.retain(|folder, _| folders.contains(folder));
     }
 }

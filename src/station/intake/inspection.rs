@@ -1,7 +1,7 @@
 //! What intake must know of an export's content, asked of a confined process: the station itself never reads
 //! what the scanner wrote.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use gaiter_scan::{End, Format};
 
@@ -11,7 +11,7 @@ use crate::station::delivery::measuring::{self, TRIES_MAX};
 use crate::station::measure::{
     self, Blame, Ended, Inspection, Job, JobAnswer, MeasureFault, Purpose, Trouble,
 };
-use crate::station::runtime::chain;
+use crate::station::runtime::{chain, locked};
 
 /// Why an export could not be inspected now. The machine is at fault, and the file waits where it is.
 #[derive(Debug, thiserror::Error)]
@@ -37,7 +37,7 @@ pub const NOTHING_SHOWN: Inspection = Inspection { end: End::Whole, fingerprint:
 /// # Errors
 /// [`InspectFault`]; the file must then be offered again.
 pub fn inspected(core: &Core, export: &Export, format: Format) -> Result<Inspection, InspectFault> {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let _alone = locked(&ALONE);
     let found = asked(core, export, format);
     match &found {
         Ok(_) => measuring::note_possible(core),

@@ -5,14 +5,14 @@ use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use gaiter_flow::ScanId;
 use gaiter_flow::page::files::PREVIEW;
 use gaiter_record::RecordFile;
 use tokio::sync::Notify;
 
-use crate::station::runtime::random_bits;
+use crate::station::runtime::{locked, random_bits};
 use crate::store::durable;
 use crate::store::sums::{self, SUMS};
 
@@ -47,7 +47,7 @@ impl Previews {
 
     /// What is known about a scan.
     pub fn get(&self, scan: &ScanId) -> Option<Preview> {
-        self.known().get(scan).cloned()
+        locked(&self.known).get(scan).cloned()
     }
 
     /// Whether there is nothing to make: the preview exists, or it never will.
@@ -65,7 +65,7 @@ impl Previews {
     /// # Errors
     /// Any I/O error; the next call tries again to remove what is left.
     pub fn keep_only(&self, scans: &[ScanId]) -> io::Result<()> {
-        let mut known = self.known();
+        let mut known = locked(&self.known);
         known.retain(|scan, _| scans.contains(scan));
         let entries = match fs::read_dir(&self.folder) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -108,12 +108,8 @@ impl Previews {
 
     /// Notes what is known about a scan's legs.
     pub(super) fn note(&self, scan: &ScanId, preview: Preview) {
-        self.known().insert(scan.clone(), preview);
+        locked(&self.known).insert(scan.clone(), preview);
         self.news.notify_one();
-    }
-
-    fn known(&self) -> MutexGuard<'_, BTreeMap<ScanId, Preview>> {
-        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 use std::time::Duration;
 
 use gaiter_flow::page::ScanDetails;
@@ -14,6 +14,7 @@ use gaiter_language::Language;
 use gaiter_record::{self as record, Record, RecordSummary, SheetLine};
 use gaiter_sizes::Garment;
 
+use crate::station::runtime::locked;
 use crate::store::{revision, sums};
 
 /// A summary is read again after this time: a report may have been made since.
@@ -48,24 +49,20 @@ struct CachedSummary {
 impl Summaries {
     /// What is known about a scan's record in this folder.
     pub fn of(&self, scan: &str, folder: &Path) -> Option<ScanDetails> {
-        let inner = self.inner();
+        let inner = locked(&self.0);
         let known = inner.known.get(scan).filter(|known| known.folder == folder);
         known.map(|known| known.details.clone())
     }
 
     /// Has every record read again: a person has just amended one.
     pub fn read_again(&self) {
-        let mut inner = self.inner();
+        let mut inner = locked(&self.0);
         inner.known.values_mut().for_each(|known| known.is_old = true);
-    }
-
-    fn inner(&self) -> MutexGuard<'_, Inner> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Forgets all other records. Returns those to be read, or none while a thread is reading.
     pub fn due(&self, records: Vec<(String, PathBuf)>, now: Duration) -> Vec<(String, PathBuf)> {
-        let mut inner = self.inner();
+        let mut inner = locked(&self.0);
         inner.known.retain(|scan, _| records.iter().any(|(wanted, _)| wanted == scan));
         if inner.is_reading {
             return Vec::new();
@@ -83,13 +80,13 @@ impl Summaries {
 
     /// Notes that the records that were due have been read.
     pub fn all_read(&self) {
-        self.inner().is_reading = false;
+        locked(&self.0).is_reading = false;
     }
 
     /// Notes the details of a scan's record in this folder, read at the time `now` of the station's clock.
     pub fn note(&self, scan: String, folder: PathBuf, details: ScanDetails, now: Duration) {
         let summary = CachedSummary { folder, details, at: now, is_old: false };
-        self.inner().known.insert(scan, summary);
+        locked(&self.0).known.insert(scan, summary);
     }
 }
 
