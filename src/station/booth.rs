@@ -303,8 +303,7 @@ impl Booth {
 
     /// A scan as the journal knows it; `None` if it does not, or cannot be read.
     fn whole(&self, scan: &ScanId) -> Option<Whole> {
-        let whole = self.core.custody.journal().whole(scan);
-        whole.inspect_err(|error| self.core.check_corruption(error)).ok().flatten()
+        self.core.read(self.core.custody.journal().whole(scan)).flatten()
     }
 
     /// What the light shows of the last event, and whose scan it was.
@@ -395,13 +394,8 @@ impl Booth {
             inner.last = None;
         }
         while let Some((scan, _)) = inner.in_work.first_key_value() {
-            let whole = match self.core.custody.journal().whole(scan) {
-                Ok(whole) => whole,
-                Err(error) => {
-                    self.core.check_corruption(&error);
-                    return true;
-                }
-            };
+            let whole = self.core.read(self.core.custody.journal().whole(scan));
+            let Some(whole) = whole else { return true };
             if whole.as_ref().is_some_and(|whole| whole.is_in_work(&unfetched)) {
                 return true;
             }

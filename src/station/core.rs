@@ -146,6 +146,11 @@ impl Core {
         }
     }
 
+    /// What was read in the journal for somebody who sees that it fails; `None` then. That is checked for corruption.
+    pub fn read<T>(&self, given: Result<T, JournalError>) -> Option<T> {
+        given.inspect_err(|error| self.check_corruption(error)).ok()
+    }
+
     /// What the journal gave; `None` if it failed. That is logged, and checked for corruption.
     pub fn logged<T>(&self, given: Result<T, JournalError>) -> Option<T> {
         let failed = |error: &JournalError| {

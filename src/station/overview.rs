@@ -46,8 +46,7 @@ impl Overview {
     pub fn take(core: &Core) -> Overview {
         state_folders::look_after(&core.custody, &core.board);
         let (facts, now) = (core.board.facts(), Timestamp::now());
-        let tally = core.custody.journal().tally();
-        let tally = tally.inspect_err(|error| core.check_corruption(error)).ok();
+        let tally = core.read(core.custody.journal().tally());
         let disk = rustix::fs::statvfs(&core.config.station.state_dir).ok().map(|found| Disk {
             free: found.f_bavail.saturating_mul(found.f_frsize),
             size: found.f_blocks.saturating_mul(found.f_frsize),

@@ -59,8 +59,7 @@ fn whole_page(
         waiting.iter().filter(|row| needs(row)).map(&mut show).collect();
     let decided = newest.iter().filter(|row| !needs(row));
     let scans = decided.take(LAST as usize).map(&mut show).collect();
-    let count = journal.count_open_tasks(measured_since);
-    let count = count.inspect_err(|error| core.check_corruption(error));
+    let count = core.read(journal.count_open_tasks(measured_since));
     let more = count.unwrap_or_default().saturating_sub(undecided.len() as u64);
     let version = assets::version(language);
     let known = StationView {
@@ -81,7 +80,7 @@ fn rows(desk: &Desk, ids: Result<Vec<ScanId>, JournalError>) -> Vec<Whole> {
         let wholes = ids.iter().map(|id| journal.whole(id));
         wholes.filter_map(Result::transpose).collect::<Result<Vec<Whole>, _>>()
     });
-    let wholes = wholes.inspect_err(|error| desk.core.check_corruption(error)).unwrap_or_default();
+    let wholes = desk.core.read(wholes).unwrap_or_default();
     wholes.into_iter().flat_map(page::rows::rows).collect()
 }
 
