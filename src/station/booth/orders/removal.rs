@@ -51,10 +51,9 @@ pub(super) fn remove_in_steps(
     between: impl FnOnce(),
 ) -> io::Result<()> {
     let taken = hidden(path);
-    match durable::rename_new(path, &taken) {
+    if durable::if_there(durable::rename_new(path, &taken))?.is_none() {
         // Another process has removed it.
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-        other => other?,
+        return Ok(());
     }
     between();
     if is_same(&taken, read, counter) {

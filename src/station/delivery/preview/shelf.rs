@@ -1,9 +1,8 @@
 //! The folder of the previews, and what is known about each.
 
 use std::collections::BTreeMap;
-use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
-use std::os::unix::fs::OpenOptionsExt;
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -13,14 +12,11 @@ use gaiter_record::RecordFile;
 use tokio::sync::Notify;
 
 use crate::station::runtime::{locked, random_bits};
-use crate::store::durable;
 use crate::store::sums::{self, SUMS};
+use crate::store::{Access, durable};
 
 /// The folder's name in the state folder.
 const NAME: &str = "previews";
-
-/// For the owner only: the files show patients' bodies.
-const FILE_MODE: u32 = 0o600;
 
 /// The previews of held scans.
 #[derive(Debug)]
@@ -67,11 +63,7 @@ impl Previews {
     pub fn keep_only(&self, scans: &[ScanId]) -> io::Result<()> {
         let mut known = locked(&self.known);
         known.retain(|scan, _| scans.contains(scan));
-        let entries = match fs::read_dir(&self.folder) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-            entries => entries?,
-        };
-        for entry in entries {
+        for entry in durable::if_there(fs::read_dir(&self.folder))?.into_iter().flatten() {
             let entry = entry?;
             let name = entry.file_name();
             let is_kept = known.keys().any(|scan| name.to_str() == Some(scan.as_str()));
@@ -116,29 +108,23 @@ impl Previews {
 /// Writes the files that the page shows into a new folder, and their sums.
 fn write(folder: &Path, files: &[RecordFile]) -> io::Result<()> {
     durable::make_folder(folder)?;
-    let write = |name: &str, bytes: &[u8]| {
-        let mut new = OpenOptions::new();
-        let new = new.write(true).create_new(true).mode(FILE_MODE);
-        new.open(folder.join(name))?.write_all(bytes)
-    };
+    // For the owner only: the files show patients' bodies.
+    let write =
+        |name: &str, bytes: &[u8]| Access::Private.write_unsynced(&folder.join(name), bytes);
     let mut listed = String::new();
     for RecordFile { name, bytes } in files.iter().filter(|file| PREVIEW.contains(&&*file.name)) {
         write(name, bytes)?;
         listed += &sums::line(&sums::scan_id(bytes), name);
     }
-    write(SUMS, listed.as_bytes())
+    write(SUMS, listed.as_bytes()).map(drop)
 }
 
 /// Removes whatever is at this path, if anything.
 fn remove(path: &Path) -> io::Result<()> {
-    let removed = match fs::symlink_metadata(path) {
-        Ok(metadata) if metadata.is_dir() => fs::remove_dir_all(path),
-        Ok(_) => fs::remove_file(path),
-        Err(error) => Err(error),
-    };
-    match removed {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        removed => removed,
+    match durable::if_there(fs::symlink_metadata(path))? {
+        Some(metadata) if metadata.is_dir() => durable::remove_folder(path),
+        Some(_) => durable::remove_file(path),
+        None => Ok(()),
     }
 }
 

@@ -18,6 +18,7 @@ use tokio::task::JoinHandle;
 
 use super::serve::{Answers, accept};
 use crate::config::{Config, control_path};
+use crate::store::durable;
 
 /// The control socket is for the station's user and root only.
 const SOCKET_MODE: u32 = 0o600;
@@ -142,10 +143,7 @@ impl Drop for Listening {
 /// Creates the control socket in place of an old one; the state folder's lock proves that no one serves
 /// it.
 fn control_socket(path: &Path) -> io::Result<UnixListener> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
+    durable::remove_file(path)?;
     let listener = UnixListener::bind(path)?;
     // Until now, the state folder kept others out because only its owner can enter it.
     fs::set_permissions(path, Permissions::from_mode(SOCKET_MODE))?;

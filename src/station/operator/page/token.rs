@@ -1,7 +1,7 @@
 //! The token that is needed to decide on the page: a file in the state folder, for the station's user
 //! only, like the control socket.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::hint::black_box;
 use std::io::{self, Read};
 use std::os::unix::fs::MetadataExt;
@@ -65,10 +65,7 @@ impl Token {
     /// # Errors
     /// As for [`Token::take`].
     pub fn renew(state_dir: &Path) -> io::Result<Token> {
-        match fs::remove_file(state_dir.join(FILE)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
+        durable::remove_file(&state_dir.join(FILE))?;
         info!(event = "page-token-renewed");
         Token::take(state_dir)
     }
@@ -144,6 +141,7 @@ fn same(a: &str, b: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
     use std::os::unix::fs::{PermissionsExt, chown, symlink};
 
     use rustix::fs::{CWD, mkfifoat};
