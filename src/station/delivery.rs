@@ -52,7 +52,6 @@ enum Done {
 #[derive(Default)]
 struct Scheduler {
     outbox: Outbox,
-    dues: BTreeMap<Key, Due>,
     jobs: JoinSet<Done>,
     /// The steps that are running at each store, and when they began.
     at_store: BTreeMap<(String, Option<Key>), Duration>,
@@ -111,7 +110,7 @@ impl Scheduler {
         });
         let Some(pending) = booth.core().logged(pending.await?) else { return Ok(()) };
         let keys: Vec<Key> = pending.iter().map(key).collect();
-        self.dues = keys.iter().cloned().zip(pending).collect();
+        let pending: BTreeMap<Key, Due> = keys.iter().cloned().zip(pending).collect();
         booth.core().to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
         let plan = self.outbox.plan(&keys, now, jobs_max);
         let erasing = booth.core().custody.erasures().awaited_stores();
@@ -121,8 +120,7 @@ impl Scheduler {
         // A single scan gets all cores.
         let threads = (cores / self.outbox.busy().max(1)).max(1);
         for group in plan.attempts {
-            let dues: Vec<Due> =
-                group.iter().filter_map(|key| self.dues.get(key).cloned()).collect();
+            let dues = group.iter().filter_map(|key| pending.get(key).cloned()).collect();
             self.attempt(booth, dues, threads);
         }
         Ok(())

@@ -172,14 +172,6 @@ async fn unless_stopped<T>(
     }
 }
 
-/// Warns of size tables that are no longer valid: reports still show them, with a note.
-fn warn_of_expired_tables(config: &Config) {
-    let today = Zoned::now().date();
-    for table in config.tables.iter().filter(|table| table.is_expired(today)) {
-        warn!(event = "size-table-expired", table = table.id);
-    }
-}
-
 /// One generation of workers, from their start to their end.
 async fn generation(
     station: &Station,
@@ -187,7 +179,11 @@ async fn generation(
     stop: &mut (impl Future<Output = ()> + Unpin),
     reload: &mut mpsc::Receiver<Reload>,
 ) -> Result<GenerationEnd, StationError> {
-    warn_of_expired_tables(&station.core.config);
+    let today = Zoned::now().date();
+    // Reports still show them, with a note.
+    for table in station.core.config.tables.iter().filter(|table| table.is_expired(today)) {
+        warn!(event = "size-table-expired", table = table.id);
+    }
     let (stopper, asked) = Stopper::new();
     let (mut workers, mut looked) = Workers::start(station, resources, &asked);
     let ready = async {
