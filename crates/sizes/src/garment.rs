@@ -2,6 +2,7 @@
 
 mod profile;
 
+use std::fmt;
 use std::sync::OnceLock;
 
 use gaiter_leg::Level;
@@ -13,7 +14,7 @@ use profile::Profile;
 pub use profile::{FORMAT, FormBox, FormUnit};
 
 /// A compression garment, by the levels at which it begins and ends (RAL-GZ 387) or by a name of its own.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub struct Garment(Profile);
 
 /// The files of the garments that are shipped, the shortest first.
@@ -128,6 +129,12 @@ impl Default for Garment {
     fn default() -> Garment {
         let nothing = || Garment(Profile::default());
         Garment::shipped().first().cloned().unwrap_or_else(nothing)
+    }
+}
+
+impl fmt::Debug for Garment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Garment({})", self.name())
     }
 }
 
