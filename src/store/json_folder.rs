@@ -1,5 +1,5 @@
-//! A folder of JSON files in the state folder, apart from the journal: that can be rebuilt from spool, quarantine and
-//! stores, but what these files hold cannot.
+//! A folder of JSON files in the state folder: decisions, erasures, and what the stores note of what they handed over.
+//! The journal can be made anew from spool, quarantine and stores; what these files hold cannot.
 
 use std::fs;
 use std::io::{self, ErrorKind};

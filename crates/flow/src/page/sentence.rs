@@ -26,8 +26,8 @@ impl Sentence {
         Sentence { text, pieces: vec![piece], anonymous }
     }
 
-    /// One with the ids of these patients in its place, separated by commas, with this word before the last. What it
-    /// is without ids is not known here.
+    /// One with the ids of these patients, at least one, in its place, separated by commas, with this word before the
+    /// last: with nobody in it, words and ids would not take turns. What it is without ids is not known here.
     pub(super) fn naming(words: &str, patients: &[PatientShown], before_last: &str) -> Sentence {
         let last = patients.len().saturating_sub(1);
         let ids = patients.iter().map(|patient| patient.shown.as_str()).enumerate();
