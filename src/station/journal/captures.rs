@@ -261,7 +261,7 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
             others,
             capture.is_refused,
             json_text(&capture.doubt)?,
-            seal::of(&["capture", &number, id, &source, &others]),
+            seal::of_cells(&["capture", &number, id, &source, &others]),
         ],
     )?;
     let old = format!("DELETE FROM captures WHERE number < ?1 AND state NOT IN {WAITING}");

@@ -149,7 +149,7 @@ fn hold_for_others(transaction: &Transaction<'_>, patient: &str) -> Result<(), J
         |row| Ok((row.get(0)?, row.get(1)?)),
     )?;
     for (scan, store) in held {
-        let seal = seal::of(&[scan.as_str(), "", &store, "[]"]);
+        let seal = seal::of_cells(&[scan.as_str(), "", &store, "[]"]);
         transaction.execute(
             "UPDATE OR IGNORE deliveries SET patient = '', sources = '[]', seal = ?4
              WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
@@ -190,7 +190,7 @@ fn leave_captures(transaction: &Transaction<'_>, patient: &str) -> Result<(), Jo
     for (number, id, source, mut named) in rows {
         named.retain(|named| named.id != patient);
         let others = json!(named).to_string();
-        let seal = seal::of(&["capture", &number.to_string(), &id, &source, &others]);
+        let seal = seal::of_cells(&["capture", &number.to_string(), &id, &source, &others]);
         transaction.execute(
             "UPDATE captures SET patient = ?2, source = ?3, candidates = ?4, seal = ?5,
                     state = CASE state WHEN 'open' THEN 'over' WHEN 'expired' THEN 'over' ELSE state END

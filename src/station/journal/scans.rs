@@ -179,7 +179,7 @@ pub(super) fn insert_scan(
     let first_seen = row.first_seen.to_string();
     let file_time = row.file_time.map(|time| time.to_string());
     let file_cell = file_time.as_deref().unwrap_or_default();
-    let seal = seal::of(&[scan, &row.format, &size.to_string(), &first_seen, file_cell]);
+    let seal = seal::of_cells(&[scan, &row.format, &size.to_string(), &first_seen, file_cell]);
     run(
         transaction,
         "INSERT INTO scans (sha256, format, size, first_seen, file_time, state, changed_at, seal,
@@ -221,7 +221,7 @@ pub(super) fn insert_delivery(
     let sources = patient.map_or(&[][..], |patient| &patient.sources);
     let sources = json_text(sources)?;
     let id = patient.map_or("", |patient| &patient.id);
-    let seal = seal::of(&[scan.as_str(), id, store, &sources]);
+    let seal = seal::of_cells(&[scan.as_str(), id, store, &sources]);
     run(
         transaction,
         "INSERT INTO deliveries (sha256, patient, store, sources, state, code, changed_at, seal)

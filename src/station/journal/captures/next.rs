@@ -34,7 +34,7 @@ impl Journal {
     pub fn names(&self) -> Result<Option<NamesOfBoot>, JournalError> {
         let found = fact(&self.connection(), NEXT, of_json)?;
         let Some(NamesCell { names, seal }) = found else { return Ok(None) };
-        if seal != seal::of(&[json_text(&names)?]) {
+        if seal != seal::of_cells(&[json_text(&names)?]) {
             return Err(JournalError::Seal { table: "meta" });
         }
         Ok(Some(names))
@@ -52,7 +52,7 @@ pub(super) fn save(
         return Ok(());
     }
     let names = NamesOfBoot { names: after.names().clone(), boot: boot.to_owned() };
-    let seal = seal::of(&[json_text(&names)?]);
+    let seal = seal::of_cells(&[json_text(&names)?]);
     set_fact(transaction, NEXT, &json_text(&NamesCell { names, seal })?)
 }
 

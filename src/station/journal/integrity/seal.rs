@@ -50,13 +50,13 @@ impl Sealed {
             _ => row.get(column),
         };
         let cells: Vec<String> = (0..self.count).map(text).collect::<rusqlite::Result<_>>()?;
-        let is_whole = row.get::<_, String>(self.count)? == of(&cells);
+        let is_whole = row.get::<_, String>(self.count)? == of_cells(&cells);
         if is_whole { Ok(()) } else { Err(JournalError::Seal { table: self.table }) }
     }
 }
 
 /// The seal of these cells, '' for one without a value.
-pub(in crate::station::journal) fn of(cells: &[impl AsRef<str>]) -> String {
+pub(in crate::station::journal) fn of_cells(cells: &[impl AsRef<str>]) -> String {
     let cells: Vec<&str> = cells.iter().map(AsRef::as_ref).collect();
     let mut digest = sha256(cells.join("\0").as_bytes());
     digest.truncate(DIGITS);
