@@ -12,8 +12,8 @@ use gaiter_scan::Scan;
 use gaiter_visits::{Choice, Course, GIRTH_COMMON_MM};
 use support::mesh::Mesh;
 use support::noise::roughened;
-use support::recorded::{obj, truth};
-use support::records::record_of;
+use support::recorded::truth;
+use support::records::record_of_scan;
 use support::stance::Stance;
 
 /// The noise of a good scanner, mm.
@@ -105,5 +105,5 @@ fn standing(name: &str, stance: Stance, seed: u64) -> Record {
     let points = mesh.points.iter().map(|p| (*p).into()).collect();
     let triangles = mesh.triangles.iter().map(|t| t.map(|corner| corner as u32)).collect();
     let scan = Scan { points, triangles };
-    record_of(&obj(&roughened(&scan, NOISE_MM, seed)), &Method::default()).1
+    record_of_scan(&roughened(&scan, NOISE_MM, seed), &Method::default())
 }

@@ -8,6 +8,7 @@ use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
 
+use gaiter_scan::Scan;
 use nalgebra::Vector3;
 
 /// The text of a scan in `fixtures/scans`.
@@ -54,6 +55,15 @@ impl Mesh {
     /// The body of a fixture, in the fixture's own unit.
     pub fn body(name: &str) -> Mesh {
         Mesh::of_obj(&fixture(name))
+    }
+
+    /// As the scan that is read in its file.
+    pub fn scan(&self) -> Scan {
+        let corners = |triangle: &[usize; 3]| triangle.map(|corner| corner as u32);
+        Scan {
+            points: self.points.iter().map(|point| (*point).into()).collect(),
+            triangles: self.triangles.iter().map(corners).collect(),
+        }
     }
 
     /// OBJ text.

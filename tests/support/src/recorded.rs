@@ -7,10 +7,11 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use gaiter_leg::{Extraction, Method, Refusal, extract};
 use gaiter_scan::{Format, Scan, read};
 use serde_json::Value;
 
-pub use crate::writers::obj;
+use crate::writers::ply;
 
 fn path(file: &str) -> PathBuf {
     crate::root().join("fixtures/scans").join(file)
@@ -36,6 +37,11 @@ pub fn truth(name: &str) -> Value {
 /// Points and triangles of a recorded body, in the export's unit and axes.
 pub fn scan(name: &str) -> Scan {
     read(&export(name), Format::Obj).unwrap()
+}
+
+/// What is measured on a scan, which is handed over as [`ply`].
+pub fn extract_scan(scan: &Scan, method: &Method) -> Result<Extraction, Refusal> {
+    extract(&ply(scan), Format::Ply, method)
 }
 
 /// A scan that can be measured; each `n` gives another scan of the same body.

@@ -11,10 +11,11 @@ use gaiter_record::fhir::FhirRules;
 use gaiter_record::hl7::{Charset, Hl7Rules, PdfForm};
 use gaiter_record::measure::amendment::{Amendment, Deed};
 use gaiter_record::{Provenance, Record, record, sha256};
-use gaiter_scan::Format;
+use gaiter_scan::{Format, Scan};
 use serde_json::json;
 
 use crate::recorded::export;
+use crate::writers::ply;
 
 const BODIES: [&str; 3] = ["f_average_clean", "f_average_tc2", "m_average_clean"];
 
@@ -36,7 +37,16 @@ pub fn bodies() -> impl Iterator<Item = (&'static str, &'static Extraction, &'st
 
 /// The record of an export that nobody says more about.
 pub fn record_of(bytes: &[u8], method: &Method) -> (Extraction, Record) {
-    let extraction = extract(bytes, Format::Obj, method).unwrap();
+    record_of_file(bytes, Format::Obj, method)
+}
+
+/// The record of a scan, which is handed over as [`ply`].
+pub fn record_of_scan(scan: &Scan, method: &Method) -> Record {
+    record_of_file(&ply(scan), Format::Ply, method).1
+}
+
+fn record_of_file(bytes: &[u8], format: Format, method: &Method) -> (Extraction, Record) {
+    let extraction = extract(bytes, format, method).unwrap();
     let provenance = Provenance::of_scan(sha256(bytes));
     let record = record(&extraction, &provenance, method);
     (extraction, record)

@@ -77,6 +77,11 @@ pub fn obj(scan: &Scan) -> Vec<u8> {
     text.into_bytes()
 }
 
+/// A scan as binary PLY, which is written and read in a tenth of the time of OBJ: for tests of what is measured on it.
+pub fn ply(scan: &Scan) -> Vec<u8> {
+    Writer::PlyLittle.write(scan)
+}
+
 fn ply_header(scan: &Scan, encoding: &str) -> String {
     let mut text = format!("ply\nformat {encoding} 1.0\nelement vertex {}\n", scan.points.len());
     text += "property double x\nproperty double y\nproperty double z\n";

@@ -11,8 +11,7 @@ use gaiter_leg::method::{Scope, Up};
 use gaiter_leg::{Extraction, Method, Side, WholeBody, extract, extract_crop};
 use gaiter_scan::{Format, Scan, read};
 use support::mesh::Mesh;
-use support::recorded::coarse_body;
-use support::recorded::{export, scan};
+use support::recorded::{coarse_body, export, extract_scan, scan};
 use support::writers::Writer;
 
 use crate::found::extraction_of;
@@ -75,7 +74,7 @@ fn what_was_not_seen_of_the_whole_is_missing_on_the_crop_in_the_same_way() {
         ("lone leg", leg, Scope::Leg(Side::Left)),
     ] {
         let method = Method { scope, ..Method::default() };
-        crop_is_measured_as(&extraction_of(&mesh.obj(), &method), &method, name);
+        crop_is_measured_as(&extract_scan(&mesh.scan(), &method).unwrap(), &method, name);
     }
 }
 
@@ -92,7 +91,7 @@ fn facets_across_the_crop_have_no_part_in_the_measurement() {
         let corners = corners.map(|above_mm| near(above_mm, &bridged));
         bridged.triangles.push(corners);
     }
-    let whole = extraction_of(&bridged.obj(), &Method::default());
+    let whole = extract_scan(&bridged.scan(), &Method::default()).unwrap();
     crop_is_measured_as(&whole, &Method::default(), "bridged");
 }
 

@@ -186,7 +186,7 @@ fn on_recorded_bodies_each_point_has_the_extreme_curvature_of_its_own_turn() {
         for noise_mm in [0.0, 0.5] {
             let first = extract(&recorded::export(name), Format::Obj, &Method::default()).unwrap();
             let noisy = roughened(&scan, noise_mm / first.body.unit.in_mm(), 1);
-            let again = extract(&recorded::obj(&noisy), Format::Obj, &Method::default()).unwrap();
+            let again = recorded::extract_scan(&noisy, &Method::default()).unwrap();
             for at in again.legs.iter().flat_map(|leg| &leg.level_sections) {
                 let curvatures = curvatures(&at.section, 360);
                 let mean = curvatures.iter().sum::<f64>() / 360.0;

@@ -257,7 +257,7 @@ fn points_of_recorded_bodies_stay_where_they_are_when_the_scanner_scatters_more(
         let first = extract(&recorded::export(name), Format::Obj, &Method::default()).unwrap();
         for seed in 1..=3 {
             let noisy = roughened(&scan, NOISE_MM / first.body.unit.in_mm(), seed);
-            let again = extract(&recorded::obj(&noisy), Format::Obj, &Method::default()).unwrap();
+            let again = recorded::extract_scan(&noisy, &Method::default()).unwrap();
             for (before, after) in first.legs.iter().zip(&again.legs) {
                 for (level, fate) in &mut fates {
                     let at = |leg: &gaiter_leg::LegReport| {

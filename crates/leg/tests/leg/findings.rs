@@ -6,17 +6,17 @@
 use gaiter_leg::doubt::Doubt;
 use gaiter_leg::finding::Severity;
 use gaiter_leg::method::{Axis, FacingChoice};
-use gaiter_leg::{Extraction, Finding, Level, Method, Side, What, extract};
-use gaiter_scan::Format;
+use gaiter_leg::{Extraction, Finding, Level, Method, Side, What};
 use support::chance::Chance;
 use support::mesh::Mesh;
+use support::recorded::extract_scan;
 
 /// A finding as the record gives it: leg, level, code.
 type Found = (Option<Side>, Option<Level>, &'static str);
 
 #[track_caller]
 fn measured(mesh: &Mesh, method: &Method) -> Extraction {
-    extract(&mesh.obj(), Format::Obj, method).unwrap_or_else(|refusal| panic!("{refusal}"))
+    extract_scan(&mesh.scan(), method).unwrap_or_else(|refusal| panic!("{refusal}"))
 }
 
 fn findings(extraction: &Extraction) -> Vec<Found> {
@@ -162,8 +162,8 @@ fn feet_that_say_nothing_leave_the_facing_to_the_calves_and_then_to_the_declarat
     assert_eq!(says(with_foot_turned(Mesh::mannequin()), &declared), "facing-by-calves");
     assert_eq!(says(with_foot_turned(Mesh::mannequin()), &Method::default()), "facing-by-calves");
     assert_eq!(says(with_foot_turned(without_calves()), &declared), "facing-unchecked");
-    let unknown = with_foot_turned(without_calves()).obj();
-    let fault = extract(&unknown, Format::Obj, &Method::default()).unwrap_err();
+    let unknown = with_foot_turned(without_calves()).scan();
+    let fault = extract_scan(&unknown, &Method::default()).unwrap_err();
     assert_eq!(fault.code(), "body-facing-unclear", "{fault}");
 }
 
@@ -186,8 +186,7 @@ fn feet_without_toes_leave_the_facing_to_the_declaration_and_a_plate_under_them_
     // What is larger than a foot hides where the floor is.
     let wide =
         Mesh::mannequin().moved(|[x, y, z]| if y < 25.0 { [x, y, 2.0 * z] } else { [x, y, z] });
-    let bytes = wide.obj();
-    let fault = extract(&bytes, Format::Obj, &method).unwrap_err();
+    let fault = extract_scan(&wide.scan(), &method).unwrap_err();
     assert!(fault.to_string().contains("which is not a foot"), "{fault}");
 }
 

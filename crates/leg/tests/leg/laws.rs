@@ -6,20 +6,18 @@ use std::f64::consts::{PI, TAU};
 use std::sync::LazyLock;
 
 use gaiter_leg::method::{Unit, UnitChoice, Up, Winding};
-use gaiter_leg::{BodyFault, Extraction, Level, Method, Refusal, Side, extract};
-use gaiter_scan::{Format, Scan};
+use gaiter_leg::{BodyFault, Extraction, Level, Method, Refusal, Side};
+use gaiter_scan::Scan;
 use nalgebra::{Point3, Rotation3, Vector3};
-use support::recorded::{obj, scan};
+use support::recorded::{extract_scan, scan};
 use support::solids::Chance;
-
-use crate::found::extraction_of;
 
 /// The body that the laws are tried on: y up, mm, looking to +z.
 static BODY: LazyLock<Scan> = LazyLock::new(|| scan("f_average_clean"));
 
 /// What is measured on it as it is.
 static PLAIN: LazyLock<Extraction> =
-    LazyLock::new(|| extraction_of(&obj(&BODY), &Method::default()));
+    LazyLock::new(|| extract_scan(&BODY, &Method::default()).unwrap());
 
 /// Summing the same numbers in another order leaves this, mm.
 const SAME_MM: [f64; 2] = [0.02, 0.02];
@@ -40,7 +38,7 @@ fn measured(scan: &Scan) -> Extraction {
 }
 
 fn measured_by(scan: &Scan, method: &Method) -> Extraction {
-    extraction_of(&obj(scan), method)
+    extract_scan(scan, method).unwrap()
 }
 
 fn stature_mm(found: &Extraction) -> f64 {
@@ -180,7 +178,7 @@ fn every_unit_gives_the_same_figures() {
 fn a_unit_that_makes_no_person_is_refused() {
     let declared = UnitChoice::Declared(Unit::Cm);
     let method = Method { unit: declared, ..Method::default() };
-    let refusal = extract(&obj(&BODY), Format::Obj, &method).unwrap_err();
+    let refusal = extract_scan(&BODY, &method).unwrap_err();
     let Refusal::Body(BodyFault::UnitImplausible { unit: Unit::Cm, stature_mm }) = refusal else {
         panic!("{refusal:?}");
     };
@@ -193,11 +191,10 @@ fn z_up_and_x_up_exports_measure_alike_when_declared_and_are_refused_when_not() 
     let z_up = moved(|p| Point3::new(p.x, -p.z, p.y));
     let x_up = moved(|p| Point3::new(p.y, p.x, -p.z));
     for (scan, up) in [(z_up, Up::Z), (x_up, Up::X)] {
-        let bytes = obj(&scan);
-        let found = extraction_of(&bytes, &Method { up, ..Method::default() });
+        let found = measured_by(&scan, &Method { up, ..Method::default() });
         same(&found);
         assert!(off_deg(found.body.facing_deg, PLAIN.body.facing_deg) < 0.05, "{up:?}");
-        let refusal = extract(&bytes, Format::Obj, &Method::default()).unwrap_err();
+        let refusal = extract_scan(&scan, &Method::default()).unwrap_err();
         assert!(matches!(refusal, Refusal::Body(_)), "{up:?}: {refusal:?}");
     }
 }
@@ -263,7 +260,7 @@ fn from_export_brings_a_point_of_the_export_to_where_the_surface_is() {
     let export =
         moved(|p| (turn * Point3::new(p.x, -p.z, p.y)) / 25.4 + Vector3::new(40.0, 9.0, -3.0));
     let method = Method { up: Up::Z, ..Method::default() };
-    let found = extraction_of(&obj(&export), &method);
+    let found = measured_by(&export, &method);
     let map = found.body.from_export;
     assert_eq!(map.row(3), nalgebra::RowVector4::new(0.0, 0.0, 0.0, 1.0));
     let linear = map.fixed_view::<3, 3>(0, 0).into_owned();
@@ -301,8 +298,8 @@ fn from_export_brings_a_point_of_the_export_to_where_the_surface_is() {
 
 #[test]
 fn two_runs_and_any_number_of_threads_give_the_same_to_the_last_bit() {
-    let bytes = obj(&scan("f_average_tc2"));
-    let all = || format!("{:?}", extraction_of(&bytes, &Method::default()));
+    let scan = scan("f_average_tc2");
+    let all = || format!("{:?}", measured(&scan));
     let first = all();
     // Both as text are too long to be told.
     assert!(first == all(), "two runs");

@@ -15,7 +15,7 @@ use gaiter_leg::side::Sides;
 use gaiter_leg::{Extraction, Level, Method, Side};
 use gaiter_scan::Scan;
 use nalgebra::{Point3, Rotation3, Vector3};
-use support::recorded::{export, obj, scan, truth};
+use support::recorded::{export, extract_scan, scan, truth};
 use support::solids::principal_axis;
 
 use crate::found::{B_C_D, extraction_of, landmark};
@@ -32,7 +32,7 @@ fn paper(tape: Tape) -> Method {
 static BODY: LazyLock<Scan> = LazyLock::new(|| scan("f_average_clean"));
 
 fn measured(scan: &Scan) -> Extraction {
-    extraction_of(&obj(scan), &paper(PRINCIPAL))
+    extract_scan(scan, &paper(PRINCIPAL)).unwrap()
 }
 
 /// What the paper measures on it.
@@ -181,7 +181,7 @@ fn the_paper_finds_the_ankle_of_clean_bodies_and_in_our_planes_the_calf_and_the_
 
 #[test]
 fn the_foot_pulls_the_principal_axis_aside_and_the_polynomial_is_open_at_the_back() {
-    let centroids = extraction_of(&obj(&BODY), &paper(Tape::Leg(AxisFit::Centroids)));
+    let centroids = extract_scan(&BODY, &paper(Tape::Leg(AxisFit::Centroids))).unwrap();
     for (leg, ours) in PLAIN.legs.iter().zip(&centroids.legs) {
         let off_deg = leg.axis.foot.normal.angle(&ours.axis.foot.normal).to_degrees();
         assert!((5.0..15.0).contains(&off_deg), "{off_deg}° apart");

@@ -6,9 +6,9 @@
 use std::sync::LazyLock;
 
 use gaiter_leg::method::Scope;
-use gaiter_leg::{CrotchFrom, Extraction, Level, Method, Refusal, Side, extract};
-use gaiter_scan::Format;
+use gaiter_leg::{CrotchFrom, Extraction, Level, Method, Refusal, Side};
 use support::mesh::{Mesh, Ring};
+use support::recorded::extract_scan;
 
 /// The body that the legs are taken from: y up, mm, the patient's left at +x. Its crotch is at
 /// 744.5 mm.
@@ -25,7 +25,7 @@ const SAME_MM: [f64; 2] = [0.5, 1.5];
 const PART_MM: [f64; 2] = [4.5, 4.0];
 
 fn tried(mesh: &Mesh, scope: Scope) -> Result<Extraction, Refusal> {
-    extract(&mesh.obj(), Format::Obj, &Method { scope, ..Method::default() })
+    extract_scan(&mesh.scan(), &Method { scope, ..Method::default() })
 }
 
 #[track_caller]

@@ -4,7 +4,7 @@
 
 use gaiter_leg::Method;
 use gaiter_leg::doubt::Doubt;
-use support::recorded::{export, obj, scan, truth};
+use support::recorded::{export, extract_scan, scan, truth};
 use support::strip::without_strip;
 
 use crate::found::{B_C_D, extraction_of, known_mm, landmark};
@@ -17,7 +17,7 @@ fn girths_across_a_strip_that_nobody_saw_are_within_their_errors_and_in_doubt() 
     for (name, width_deg) in BODIES.into_iter().flat_map(|name| [(name, 60.0), (name, 100.0)]) {
         let whole = extraction_of(&export(name), &method);
         let strip = without_strip(&scan(name), &whole, width_deg);
-        let found = extraction_of(&obj(&strip), &method);
+        let found = extract_scan(&strip, &method).unwrap();
         let truth = truth(name);
         assert_eq!(found.legs.len(), 2, "{name} {width_deg}");
         for leg in &found.legs {

@@ -12,7 +12,7 @@ use gaiter_leg::side::Side;
 use gaiter_leg::{Extraction, LegReport, Level, Method, extract};
 use gaiter_scan::{Format, Scan};
 use nalgebra::{Point3, Vector3};
-use support::recorded::{export, obj, scan};
+use support::recorded::{export, extract_scan, scan};
 use support::solids;
 use support::solids::{Tube, all, curve_of, ellipse, near, off_deg};
 
@@ -169,7 +169,7 @@ fn the_standard_error_is_that_of_the_girths_as_if_all_erred_alike_and_holds_the_
 }
 
 fn measured(scan: &Scan) -> Extraction {
-    extract(&obj(scan), Format::Obj, &Method::default()).unwrap()
+    extract_scan(scan, &Method::default()).unwrap()
 }
 
 fn at(leg: &LegReport, level: Level) -> f64 {

@@ -22,10 +22,10 @@ mod untouched;
 
 use std::sync::LazyLock;
 
-use gaiter_leg::{Extraction, Landmark, Level, Method, Side, extract};
-use gaiter_scan::Format;
+use gaiter_leg::{Extraction, Landmark, Level, Method, Side};
 use support::chance::Chance;
 use support::mesh::Mesh;
+use support::recorded::extract_scan;
 
 /// A body without noise and what is measured on it, which is true to 0.2 mm.
 struct Sample {
@@ -46,7 +46,7 @@ static SAMPLES: LazyLock<[Sample; 2]> =
     LazyLock::new(|| ["f_average_clean", "m_average_clean"].map(Sample::named));
 
 fn measured(mesh: &Mesh) -> Extraction {
-    extract(&mesh.obj(), Format::Obj, &Method::default()).unwrap()
+    extract_scan(&mesh.scan(), &Method::default()).unwrap()
 }
 
 /// Whether a scan has a finding about itself or a whole leg.

@@ -8,8 +8,8 @@ use gaiter_scan::Scan;
 use gaiter_visits::{Caution, Choice, Comparison, Course, GIRTH_COMMON_MM, Shown};
 use support::mesh::Mesh;
 use support::noise::roughened;
-use support::recorded::{obj, truth};
-use support::records::record_of;
+use support::recorded::truth;
+use support::records::record_of_scan;
 use support::stance::Stance;
 
 pub const CHOICE: Choice =
@@ -20,17 +20,11 @@ pub const NOISE_MM: f64 = 0.5;
 
 pub const BODIES: [&str; 2] = ["f_average_clean", "m_average_clean"];
 
-pub fn scan_of(mesh: Mesh) -> Scan {
-    let points = mesh.points.iter().map(|p| (*p).into()).collect();
-    let corners = mesh.triangles.iter().map(|t| t.map(|corner| corner as u32)).collect();
-    Scan { points, triangles: corners }
-}
-
 /// The record of a body in a stance, with noise of its own.
 fn standing(name: &str, stance: Stance, seed: u64) -> Record {
     let crotch_mm = truth(name)["crotch_height_mm"].as_f64().unwrap();
-    let scan = scan_of(stance.of(Mesh::body(name), crotch_mm));
-    record_of(&obj(&roughened(&scan, NOISE_MM, seed)), &Method::default()).1
+    let scan = stance.of(Mesh::body(name), crotch_mm).scan();
+    record_of_scan(&roughened(&scan, NOISE_MM, seed), &Method::default())
 }
 
 pub fn compared(earlier: &Record, later: Record) -> Comparison {
@@ -142,17 +136,17 @@ fn a_bent_knee_is_told_and_girths_around_it_are_not_compared() {
 fn another_export_of_the_body_shows_no_change() {
     let first = standing("m_average_clean", Stance::default(), 1);
     let mesh = || Mesh::body("m_average_clean");
-    let metres = scan_of(mesh().scaled(0.001));
-    let turned = scan_of(mesh().turned(7.0));
-    let without_triangles = Scan { triangles: Vec::new(), ..scan_of(mesh()) };
-    let moved = scan_of(mesh().moved(|[x, y, z]| [x + 300.0, y + 1200.0, z - 80.0]));
+    let metres = mesh().scaled(0.001).scan();
+    let turned = mesh().turned(7.0).scan();
+    let without_triangles = Scan { triangles: Vec::new(), ..mesh().scan() };
+    let moved = mesh().moved(|[x, y, z]| [x + 300.0, y + 1200.0, z - 80.0]).scan();
     for (what, scan, noise) in [
         ("metres", metres, NOISE_MM / 1000.0),
         ("turned", turned, NOISE_MM),
         ("moved", moved, NOISE_MM),
         ("points", without_triangles, NOISE_MM),
     ] {
-        let later = record_of(&obj(&roughened(&scan, noise, 9)), &Method::default()).1;
+        let later = record_of_scan(&roughened(&scan, noise, 9), &Method::default());
         assert_unchanged(what, &compared(&first, later));
     }
 }

@@ -10,10 +10,9 @@ use gaiter_visits::overlay::Overlay;
 use gaiter_visits::{Comparison, Shown};
 use support::mesh::Mesh;
 use support::noise::roughened;
-use support::recorded::obj;
-use support::records::record_of;
+use support::records::record_of_scan;
 
-use crate::stance::{NOISE_MM, compared, scan_of};
+use crate::stance::{NOISE_MM, compared};
 
 /// A swelling of the left leg.
 #[derive(Clone, Copy)]
@@ -60,7 +59,7 @@ impl Swelling {
 }
 
 fn scanned(mesh: Mesh, seed: u64) -> Record {
-    record_of(&obj(&roughened(&scan_of(mesh), NOISE_MM, seed)), &Method::default()).1
+    record_of_scan(&roughened(&mesh.scan(), NOISE_MM, seed), &Method::default())
 }
 
 fn visits(name: &str, swelling: Swelling) -> (Record, Record, Comparison) {

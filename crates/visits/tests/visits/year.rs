@@ -13,16 +13,15 @@ use gaiter_visits::{Affected, Change, Comparison, Course, Shown};
 use jiff::ToSpan;
 use support::chance::Chance;
 use support::noise::roughened;
-use support::records::record_of;
+use support::records::record_of_scan;
 
-use crate::stance::{CHOICE, NOISE_MM, scan_of};
+use crate::stance::{CHOICE, NOISE_MM};
 use support::mesh::Mesh;
-use support::recorded::obj;
 
 /// A body, scanned with the noise of a good scanner; without its shape, which no comparison of figures needs.
 static BODY: LazyLock<Record> = LazyLock::new(|| {
-    let scan = scan_of(Mesh::body("m_average_clean"));
-    let mut record = record_of(&obj(&roughened(&scan, NOISE_MM, 1)), &Method::default()).1;
+    let scan = Mesh::body("m_average_clean").scan();
+    let mut record = record_of_scan(&roughened(&scan, NOISE_MM, 1), &Method::default());
     record.legs.iter_mut().for_each(|leg| leg.shape = ShapeFigures::default());
     record
 });

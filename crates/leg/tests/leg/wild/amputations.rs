@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use gaiter_leg::method::{Axis, FacingChoice};
-use gaiter_leg::{BodyFault, Extraction, LegReport, Level, Method, Refusal, Side, extract};
-use gaiter_scan::Format;
+use gaiter_leg::{BodyFault, Extraction, LegReport, Level, Method, Refusal, Side};
 use support::chance::Chance;
 use support::mesh::Mesh;
+use support::recorded::extract_scan;
 
 /// How many are drawn of each kind.
 const DRAWS: u64 = 20;
@@ -15,7 +15,7 @@ const DRAWS: u64 = 20;
 const BODIES: [&str; 2] = ["f_average_clean", "m_average_clean"];
 
 fn measured(mesh: &Mesh, told: &str) -> Extraction {
-    let found = extract(&mesh.obj(), Format::Obj, &Method::default());
+    let found = extract_scan(&mesh.scan(), &Method::default());
     found.unwrap_or_else(|fault| panic!("{told}: {fault}"))
 }
 
@@ -68,7 +68,7 @@ fn a_declared_facing_that_the_calves_contradict_is_refused() {
     let mesh = Mesh::body("f_average_clean").kept(is_there);
     let declared = |axis| {
         let method = Method { facing: FacingChoice::Declared(axis), ..Method::default() };
-        extract(&mesh.obj(), Format::Obj, &method)
+        extract_scan(&mesh.scan(), &method)
     };
     assert!(declared(Axis::PlusZ).is_ok());
     let fault = declared(Axis::MinusZ).unwrap_err();

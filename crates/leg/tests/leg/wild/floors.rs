@@ -4,11 +4,11 @@
 
 use std::sync::LazyLock;
 
-use gaiter_leg::{Extraction, Level, Method, extract};
-use gaiter_scan::Format;
+use gaiter_leg::{Extraction, Level, Method};
 use nalgebra::Point3;
 use support::chance::Chance;
 use support::mesh::Mesh;
+use support::recorded::extract_scan;
 
 /// How many floors are drawn.
 const FLOORS: u64 = 40;
@@ -21,7 +21,7 @@ static BODY: LazyLock<Mesh> = LazyLock::new(|| Mesh::body("f_average_clean"));
 static WITHOUT: LazyLock<Extraction> = LazyLock::new(|| measured(&BODY).unwrap());
 
 fn measured(mesh: &Mesh) -> Result<Extraction, gaiter_leg::Refusal> {
-    extract(&mesh.obj(), Format::Obj, &Method::default())
+    extract_scan(&mesh.scan(), &Method::default())
 }
 
 /// A level sheet at y = 0, with noise, turned upwards.
