@@ -53,7 +53,7 @@ type Section = (Option<Found<PathBuf>>, Option<Hl7StoreConfig>);
 
 /// Reads the keys of `[store.hl7]`. Without an address and a folder the section is off.
 pub(in crate::config) fn hl7(reader: &mut Reader) -> Option<Section> {
-    let address = reader.value("store.hl7.address", "", or_none(host_and_port))?;
+    let address = reader.text("store.hl7.address", Absent::Default(""), or_none(host_and_port));
     let path = reader.text("store.hl7.path", Absent::Default(""), or_none(parse::full_path));
     let path = path.and_then(parse::if_set);
     let way = way(reader, address, path.as_ref());
@@ -80,16 +80,17 @@ pub(in crate::config) fn hl7(reader: &mut Reader) -> Option<Section> {
     Some((path, config))
 }
 
-/// The one way that is configured.
+/// The one way that is configured, if its address is right.
 fn way(
     reader: &mut Reader,
-    address: Option<(String, u16)>,
+    address: Option<Found<Option<(String, u16)>>>,
     path: Option<&Found<PathBuf>>,
 ) -> Option<Hl7Way> {
     let encryption = reader.value("store.hl7.encryption", "tls", parse::word(ENCRYPTIONS))?;
     let tls = tls(reader, TLS);
     let limit = reader.value("store.hl7.timeout", "30s", parse::duration_in("1s"..="50s"))?;
-    match (address, path) {
+    // A wrong address is noted; keys of a connection may well have an effect then.
+    match (address?.value, path) {
         (None, None) => None,
         (Some((host, port)), None) => {
             let tls = tls_of_line(reader, TLS, tls?, encryption);
