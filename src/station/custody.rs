@@ -19,6 +19,7 @@ mod scan_folder;
 pub mod spool;
 pub(in crate::station) mod state_folders;
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -52,6 +53,8 @@ pub struct Custody {
     decisions: Decisions,
     erasures: Erasures,
     affected: JsonFolder,
+    /// The folders that were removed while the station ran.
+    removed: Mutex<BTreeSet<&'static str>>,
     /// The checks with the phantom, if one is configured.
     pub(super) phantom: Option<PhantomSeries>,
     /// The stores' names in the journal.
@@ -125,6 +128,7 @@ impl Custody {
             decisions: Decisions::open(state_dir)?,
             erasures: Erasures::open(state_dir)?,
             affected: JsonFolder::open(state_dir, affected::FOLDER)?,
+            removed: Mutex::default(),
             phantom: None,
             stores,
             named_only: Vec::new(),

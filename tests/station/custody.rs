@@ -27,6 +27,19 @@ fn a_folder_that_somebody_removed_is_a_fault_at_once_and_made_anew() {
 }
 
 #[test]
+fn every_folder_that_was_removed_since_the_start_is_named() {
+    let booth = Booth::new();
+    let daemon = booth.start_ready();
+    for folders in [&["spool"][..], &["quarantine", "spool"]] {
+        fs::remove_dir_all(booth.path("state").join(folders[0])).unwrap();
+        let told = booth.status();
+        let alarm = told["alarms"]["custody-made-anew"]["message"].as_str().unwrap_or_default();
+        assert!(alarm.contains(&folders.join(", ")), "{told}");
+    }
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
 fn a_scan_that_was_lost_with_the_spool_is_taken_in_again_when_it_is_exported_again() {
     let booth = Booth::new();
     let daemon = booth.start_ready();

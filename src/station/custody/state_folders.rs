@@ -7,6 +7,7 @@ use tracing::{error, warn};
 
 use super::Custody;
 use crate::station::board::Board;
+use crate::station::runtime::locked;
 
 /// Alarm: folders were removed while the station ran. It stays until the next start, because the files
 /// that were in them are lost.
@@ -22,8 +23,13 @@ pub fn look_after(custody: &Custody, board: &Board) {
         return;
     }
     let names = missing.join(", ");
+    let removed = {
+        let mut removed = locked(&custody.removed);
+        removed.extend(missing);
+        removed.iter().copied().collect::<Vec<_>>().join(", ")
+    };
     // First, so that nobody finds the folders there and the alarm not yet.
-    board.raise(MADE_ANEW, ComplaintFigures::default().words("folders", &names));
+    board.raise(MADE_ANEW, ComplaintFigures::default().words("folders", removed));
     match custody.make_folders_anew() {
         Ok(()) => {
             error!(event = "custody-made-anew", folders = names);
