@@ -88,6 +88,7 @@ fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, DeliveryF
     match outcome {
         MeasureOutcome::Files { files, to_do } => {
             note_measured(core, began.elapsed());
+            core.custody.journal().measured(&row.scan)?;
             booth.scan_measured(&row.scan)?;
             if !to_do.is_empty() {
                 core.custody.journal().lacks_measures(due)?;

@@ -168,6 +168,12 @@ impl Journal {
         let counted = "UPDATE scans SET crashes = crashes + 1 WHERE sha256 = ?1 RETURNING crashes";
         value(&self.connection(), counted, [scan.as_str()])
     }
+
+    /// Notes that a measurement of the scan had a result: those before it that had none were not the scan's fault.
+    pub fn measured(&self, scan: &ScanId) -> Result<(), JournalError> {
+        let noted = "UPDATE scans SET crashes = 0 WHERE sha256 = ?1 AND crashes > 0";
+        run(&self.connection(), noted, [scan.as_str()])
+    }
 }
 
 /// Inserts a scan unless it is already there.

@@ -128,6 +128,16 @@ fn spooled_bytes_have_served_with_the_last_delivery_unless_one_is_held() {
 }
 
 #[test]
+fn measurements_without_a_result_count_until_one_has_a_result() {
+    let (_dir, journal) = journal();
+    [row('a'), row('b')].iter().for_each(|row| enter(&journal, row, None, DeliveryState::Pending));
+    let crashed = |name| journal.crashed(&row(name).scan).unwrap();
+    assert_eq!(['a', 'a', 'b'].map(crashed), [1, 2, 1]);
+    journal.measured(&row('a').scan).unwrap();
+    assert_eq!(['a', 'b'].map(crashed), [1, 2]);
+}
+
+#[test]
 fn a_refused_scan_is_not_pending_any_more() {
     let (_dir, journal) = journal();
     enter(&journal, &row('a'), None, DeliveryState::Pending);
