@@ -185,14 +185,16 @@ impl Workers {
     }
 }
 
-/// Starts a worker. It is a task within the task, which outlives its panic and names it.
+/// Starts a worker. It is a task within the task, which outlives its panic and names it, and ends with it.
 fn spawn(
     tasks: &mut Tasks,
     worker: Worker,
     task: impl Future<Output = Result<(), JoinError>> + Send + 'static,
 ) {
     tasks.spawn(async move {
-        let ended = tokio::spawn(task).await.flatten();
+        let mut within = JoinSet::new();
+        within.spawn(task);
+        let ended = within.join_next().await.map_or(Ok(()), Result::flatten);
         ended.map(|()| worker).map_err(|source| StationError::WorkerPanicked { worker, source })
     });
 }

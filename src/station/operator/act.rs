@@ -236,8 +236,9 @@ fn from_a_store(
 /// No scan is taken in or delivered until an operator resumes; or the pause ends.
 pub(super) fn pause(core: &Core, paused: bool) -> Result<String, ActFault> {
     let changed = core.custody.journal().pause(paused)?;
+    // Also without a change: of two acts at once, the board may show the other one.
+    core.set_paused(paused);
     if changed {
-        core.set_paused(paused);
         let event = if paused { "station-paused" } else { "station-resumed" };
         info!(event, at = %Timestamp::now());
     }
