@@ -10,6 +10,7 @@ mod hl7;
 mod worklist;
 
 use std::net::Ipv6Addr;
+use std::ops::Range;
 
 use gaiter_https::{Endpoint, EndpointFault, Secret, TlsFiles};
 use http::Uri;
@@ -160,6 +161,22 @@ fn tls_of_line(
     }
     reader.note_unread(&keys, || no_effect("with encryption = \"none\""));
     None
+}
+
+/// Notes all keys that are missing for an access or have no effect with it; each comes with whether it is set and
+/// whether it is needed.
+fn keys_of_access(
+    reader: &mut Reader,
+    (at, access): (Range<usize>, &'static str),
+    keys: &[(&'static str, bool, bool)],
+) {
+    for &(key, is_set, is_needed) in keys {
+        match (is_set, is_needed) {
+            (false, true) => reader.note(at.clone(), access, set_without(key)),
+            (true, false) => reader.note_unread(&[key], || no_effect("with this access")),
+            _ => {}
+        }
+    }
 }
 
 /// The values of two keys that need each other, each with its key; `Some(None)` if neither is set.

@@ -5,8 +5,8 @@ use gaiter_dicom::dimse::{AeTitle, Titles};
 use gaiter_https::Secret;
 
 use super::{
-    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, line, no_effect, secret,
-    set_without, tls, tls_of_line, user,
+    APPLICATION, ENCRYPTIONS, TlsKeys, address, file_name, host_and_port, keys_of_access, line,
+    no_effect, secret, set_without, tls, tls_of_line, user,
 };
 use crate::config::parse::{self, Absent, Found, Reader, What, or_none};
 use crate::config::words::Words;
@@ -105,7 +105,7 @@ fn place(text: &str) -> Result<Place, What> {
     }
 }
 
-/// How the station authenticates. All keys that are missing or too many are reported at once.
+/// How the station authenticates.
 fn access(
     reader: &mut Reader,
     Found { value: kind, at }: Found<Kind>,
@@ -116,13 +116,7 @@ fn access(
         ("store.dicom.user", user.is_some(), kind == Kind::Basic),
         ("store.dicom.secret", secret.is_some(), kind != Kind::Open),
     ];
-    for (key, is_set, is_needed) in keys {
-        match (is_set, is_needed) {
-            (false, true) => reader.note(at.clone(), "store.dicom.access", set_without(key)),
-            (true, false) => reader.note_unread(&[key], || no_effect("with this access")),
-            _ => {}
-        }
-    }
+    keys_of_access(reader, (at, "store.dicom.access"), &keys);
     Some(match kind {
         Kind::Open => HttpAccess::Open,
         Kind::Basic => HttpAccess::Basic { user: user?, password: secret? },

@@ -3,7 +3,8 @@
 use gaiter_https::{Endpoint, Proxy};
 
 use super::{
-    TlsKeys, address, both, file_name, host_and_port, line, secret, set_without, system, tls, user,
+    TlsKeys, address, both, file_name, host_and_port, keys_of_access, line, no_effect, secret,
+    set_without, system, tls, user,
 };
 use crate::config::parse::{self, Absent, Found, Reader, What, or_none};
 use crate::config::words::Words;
@@ -64,6 +65,9 @@ pub(in crate::config) fn fhir(reader: &mut Reader) -> Option<FhirStoreConfig> {
     Some(FhirStoreConfig { server, identifiers, attach })
 }
 
+/// Further keys that have an effect with SMART only.
+const FOR_SMART: [&str; 3] = ["store.fhir.key_id", "store.fhir.scope", "store.fhir.token_address"];
+
 /// How the station authenticates.
 fn access(reader: &mut Reader) -> Option<FhirAccess> {
     use Absent::Default;
@@ -78,17 +82,14 @@ fn access(reader: &mut Reader) -> Option<FhirAccess> {
     let token_address = reader.value("store.fhir.token_address", "", or_none(address))?;
     let Found { value: kind, at } = kind?;
     let (user, secret, client) = (user?.value, secret?.value, client?.value);
-    // All missing keys are reported at once.
-    let (has_user, has_client) = (user.is_some(), client.is_some());
-    let of_secret = ("store.fhir.secret", secret.is_some());
-    let needed = match kind {
-        Kind::Open => Vec::new(),
-        Kind::Basic => vec![("store.fhir.user", has_user), of_secret],
-        Kind::Bearer => vec![of_secret],
-        Kind::Smart => vec![("store.fhir.client", has_client), of_secret],
-    };
-    for (key, _) in needed.into_iter().filter(|(_, has)| !has) {
-        reader.note(at.clone(), "store.fhir.access", set_without(key));
+    let keys = [
+        ("store.fhir.user", user.is_some(), kind == Kind::Basic),
+        ("store.fhir.secret", secret.is_some(), kind != Kind::Open),
+        ("store.fhir.client", client.is_some(), kind == Kind::Smart),
+    ];
+    keys_of_access(reader, (at, "store.fhir.access"), &keys);
+    if kind != Kind::Smart {
+        reader.note_unread(&FOR_SMART, || no_effect("with this access"));
     }
     Some(match kind {
         Kind::Open => FhirAccess::Http(HttpAccess::Open),
