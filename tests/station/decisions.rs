@@ -30,6 +30,13 @@ fn said(booth: &Booth, args: &[&str]) -> String {
     stdout(&output)
 }
 
+/// Waits until a record that could not be taken back is shown as such: the alarm comes before.
+#[track_caller]
+fn shown_as_kept(booth: &Booth, scan: &str) {
+    let kept = "withdrawing [record-kept], to be withdrawn";
+    booth.wait_for("the kept record", || said(booth, &["show", scan]).contains(kept));
+}
+
 /// Has a delivery tried again at once, unless the station has done so by itself.
 #[track_caller]
 fn try_again(booth: &Booth, scan: &str) {
@@ -209,7 +216,7 @@ fn a_record_that_was_changed_by_hand_is_said_to_lie_there_until_it_has_left() {
     booth.wait_for("the alarm", || complaints(&booth).contains(&"record-kept".to_owned()));
     assert_eq!(booth.status()["scans"]["withdrawing"], 1);
     assert!(said(&booth, &["scans"]).contains("withdrawing"));
-    assert!(said(&booth, &["show", id]).contains("withdrawing [record-kept], to be withdrawn"));
+    shown_as_kept(&booth, id);
     assert!(said(&booth, &["explain", id]).contains("could not be removed yet"));
     assert!(record.exists());
     fs::write(&record, sound).unwrap();
@@ -232,7 +239,7 @@ fn a_record_with_something_in_its_way_waits_alone_and_the_store_goes_on() {
     fs::write(&stone, "not a folder").unwrap();
     said(&booth, &["unassign", id]);
     booth.wait_for("the alarm", || complaints(&booth) == ["record-kept"]);
-    assert!(said(&booth, &["show", id]).contains("withdrawing [record-kept], to be withdrawn"));
+    shown_as_kept(&booth, id);
     booth.export("4712_b.obj", &other);
     booth.wait_for_journal(
         "SELECT count(*) FROM deliveries WHERE state = 'delivered' AND patient = '4712'",
