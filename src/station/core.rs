@@ -121,12 +121,8 @@ impl Core {
 
     /// Notes that an operator has paused or resumed the station, and what is taken in from now on. Blocks.
     pub fn set_paused(&self, paused: bool) {
-        self.board.note(|facts| match (paused, facts.intake) {
-            (true, _) => facts.intake = IntakeState::Paused,
-            (false, IntakeState::Paused) => facts.intake = IntakeState::Open,
-            // A full disk stays one, and is not reported again.
-            (false, IntakeState::Open | IntakeState::DiskLow { .. }) => {}
-        });
+        let state = if paused { IntakeState::Paused } else { IntakeState::Open };
+        self.board.note(|facts| facts.intake = state);
         self.intake_gate(0);
     }
 

@@ -5,6 +5,7 @@ mod amend;
 mod fault;
 
 use std::fmt::Display;
+use std::sync::Mutex;
 
 use gaiter_flow::cause::Cause;
 use gaiter_flow::round::NamedNext;
@@ -19,7 +20,7 @@ use crate::station::core::Core;
 use crate::station::custody::{Acted, CustodyFault};
 use crate::station::event::short;
 use crate::station::journal::ScanRow;
-use crate::station::runtime::chain;
+use crate::station::runtime::{chain, locked};
 use crate::store::{RecordStore, StoreFault, StoredScan};
 pub(super) use amend::set as amend;
 pub use amend::{Measured, Setting};
@@ -233,12 +234,15 @@ fn from_a_store(
     away.map_or(Ok(None), |why| Err(ActFault::Store(why)))
 }
 
+/// Held while the journal and then the board are changed: of two acts at once, both show the same one in the end.
+static PAUSING: Mutex<()> = Mutex::new(());
+
 /// No scan is taken in or delivered until an operator resumes; or the pause ends.
 pub(super) fn pause(core: &Core, paused: bool) -> Result<String, ActFault> {
+    let _alone = locked(&PAUSING);
     let changed = core.custody.journal().pause(paused)?;
-    // Also without a change: of two acts at once, the board may show the other one.
-    core.set_paused(paused);
     if changed {
+        core.set_paused(paused);
         let event = if paused { "station-paused" } else { "station-resumed" };
         info!(event, at = %Timestamp::now());
     }
