@@ -163,11 +163,12 @@ fn tls_of_line(
     None
 }
 
-/// Notes all keys that are missing for an access or have no effect with it; each comes with whether it is set and
-/// whether it is needed.
+/// Notes all keys that are missing for an access, at its own key, or have no effect with it; each comes with whether it
+/// is set and whether it is needed.
 fn keys_of_access(
     reader: &mut Reader,
-    (at, access): (Range<usize>, &'static str),
+    at: Range<usize>,
+    access: &str,
     keys: &[(&'static str, bool, bool)],
 ) {
     for &(key, is_set, is_needed) in keys {

@@ -185,7 +185,8 @@ impl Workers {
     }
 }
 
-/// Starts a worker. It is a task within the task, which outlives its panic and names it, and ends with it.
+/// Starts a worker as a task within a task: the outer one outlives its panic and names it, and the inner one ends when
+/// the outer one is dropped.
 fn spawn(
     tasks: &mut Tasks,
     worker: Worker,

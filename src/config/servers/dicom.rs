@@ -116,7 +116,7 @@ fn access(
         ("store.dicom.user", user.is_some(), kind == Kind::Basic),
         ("store.dicom.secret", secret.is_some(), kind != Kind::Open),
     ];
-    keys_of_access(reader, (at, "store.dicom.access"), &keys);
+    keys_of_access(reader, at, "store.dicom.access", &keys);
     Some(match kind {
         Kind::Open => HttpAccess::Open,
         Kind::Basic => HttpAccess::Basic { user: user?, password: secret? },

@@ -87,7 +87,7 @@ fn access(reader: &mut Reader) -> Option<FhirAccess> {
         ("store.fhir.secret", secret.is_some(), kind != Kind::Open),
         ("store.fhir.client", client.is_some(), kind == Kind::Smart),
     ];
-    keys_of_access(reader, (at, "store.fhir.access"), &keys);
+    keys_of_access(reader, at, "store.fhir.access", &keys);
     if kind != Kind::Smart {
         reader.note_unread(&FOR_SMART, || no_effect("with this access"));
     }

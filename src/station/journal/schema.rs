@@ -12,12 +12,12 @@ pub(super) const KNOWN: i64 = 1;
 
 /// The tables, their indexes and triggers, except what [`history`] makes again at times.
 ///
-/// Scans: `changed_at` is the time of the last change of state. `crashes` counts measurements that ended
-/// without a result since the last that had one. `pressed_at` is the press that the scan answered. `geometry` is the fingerprint of its
-/// points and triangles, '' if nothing was read. `candidates` are the ids of the patients that a held scan,
-/// or the export of a capture, may belong to, as JSON. `closed` states why a refused scan needs no further
-/// decision: `given-up`, `superseded` or `let-go`. `incomplete`: its record lacks measures that must be taken
-/// by hand, or the patient should be scanned again. `disposition`: what became of the scan, as flow decides
+/// Scans: `changed_at` is the time of the last change of state. `crashes` counts measurements that ended without a
+/// result since the last that had one. `pressed_at` is the press that the scan answered. `geometry` is the
+/// fingerprint of its points and triangles, '' if nothing was read. `candidates` are the ids of the patients that a
+/// held scan, or the export of a capture, may belong to, as JSON. `closed` states why a refused scan needs no
+/// further decision: `given-up`, `superseded` or `let-go`. `incomplete`: its record lacks measures that must be
+/// taken by hand, or the patient should be scanned again. `disposition`: what became of the scan, as flow decides
 /// from the scan and its deliveries.
 ///
 /// Deliveries: `patient` is '' if no patient was named. `sources` is JSON. `next_at` shows operators when the

@@ -77,7 +77,7 @@ pub fn obj(scan: &Scan) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// A scan as binary PLY, which is written and read in a tenth of the time of OBJ: for tests of what is measured on it.
+/// A scan as binary PLY, which is written and read in less time than OBJ: for tests of what is measured on it.
 pub fn ply(scan: &Scan) -> Vec<u8> {
     Writer::PlyLittle.write(scan)
 }
